@@ -328,6 +328,19 @@ typedef struct gw_transport {
 	void *user;
 } gw_transport;
 
+struct gw_camera; /* glowworm_picture.h */
+
+/* The part of a scene whose light is asked for. Only what that light depends on is computed: light
+ * is gathered there as finely as in a bake of the whole, and less finely on what that sees, and on
+ * what these see. */
+typedef struct gw_region {
+	const uint8_t *point; /* NULL: all; or one a point of gw_points: 1 for those that are asked for,
+							 else 0 */
+	/* NULL, or of those the ones that this camera sees, with some just behind an edge. */
+	const struct gw_camera *camera;
+	double aspect; /* then, width of the picture by its height, 1/64..64 */
+} gw_region;
+
 /* Drivers that are being loaded, see gw_drivers_load. */
 typedef struct gw_drivers gw_drivers;
 
@@ -392,6 +405,9 @@ typedef struct gw_bake_options {
 					around a point disagree, as a standard error of their mean. It knows the noise
 					of gathered light and how fast that changes, but not the error of shadows and of
 					geometry */
+	const gw_region *region; /* NULL, or only this part of the scene is lit, and the error is that
+								of its light. Gathers by rays; neither with a transport nor with
+								voxels or a volume, nor in frames, and nothing is foretold */
 	const gw_transport *transport; /* NULL, or begin with an earlier bake's and write this one's;
 									  not together with max_error or time_limit */
 	gw_drivers *drivers; /* NULL, or those that gw_drivers_load began to load, for one bake
@@ -622,6 +638,9 @@ typedef struct gw_report {
 	double spacing_ratio; /* of 95 % of the points over that of 5 %, by their eighth neighbours */
 	double narrow_share;  /* of the points: on surface that ends on two sides, as leaves do */
 	uint64_t leaves, tiles, leaf_tiles, border_tiles, records;
+	/* Of a bake of a region, else 0: its points; its records, of all that there are; facets, pieces
+	 * of surface in leaves, that its light depends on, and all facets. */
+	uint64_t region_points, region_records, region_facets, facets;
 	bool directional; /* whether these know from where their light comes: GW_BASIS_DIRECTIONAL */
 	float record_spacing; /* with which these were placed, leaf cells; 0: one on every surface, or
 							 there are none */
@@ -668,7 +687,7 @@ typedef struct gw_volume {
 
 /* Why a light gives nothing. */
 typedef enum gw_light_fate {
-	GW_LIGHT_SHINES,   /* it does give light */
+	GW_LIGHT_SHINES,   /* it does give light; of a region perhaps none, but elsewhere */
 	GW_LIGHT_BLACK,    /* it has no power */
 	GW_LIGHT_AVERTED,  /* no surface that is in its beam faces it */
 	GW_LIGHT_HIDDEN,   /* all that would is in shadow */
@@ -708,6 +727,8 @@ typedef struct gw_bake_result {
 								 known; NULL unless asked */
 	float *roi;               /* count, side of the region of influence in leaf cells */
 	uint8_t *stray;           /* NULL when there is none; count, 0 or 1 + the gw_stray_kind */
+	uint8_t *asked;           /* NULL: all; count, 1 for points of gw_bake_options.region, else 0:
+								 these hold zeros */
 	gw_voxels voxels;         /* empty unless gw_bake_options.voxels */
 	gw_volume volume;         /* empty unless gw_bake_options.volume */
 	gw_light_given *given;    /* given_count, in the order of the lights; NULL with 0 bounces */

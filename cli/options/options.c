@@ -470,6 +470,11 @@ const option options[] = {
 	  RANGE(1.0, 4e9), .group = "Scene",
 	  .help = "points on all meshes together, when nothing says their density" },
 
+	{ "region", 0, "REGION", OPTION_TEXT, FOR(BAKE), .scene = true, AT(region), .group = "Light",
+	  .help = "light only a part of the scene and write its points alone: 'box X,Y,Z X,Y,Z', what "
+			  "lies between two opposite corners, or 'camera at X,Y,Z to X,Y,Z fov DEGREES', what "
+			  "that sees in a picture of 16:9. Only what its light depends on is computed, and the "
+			  "estimated error is that of the region" },
 	{ "method", 'm', NULL, OPTION_CHOICE, FOR(BAKE | PLAN | ALBEDO | PROBES), .scene = true,
 	  AT(bake.method), .choice = method_name, .group = "Light",
 	  .help = "how light between surfaces is gathered" },

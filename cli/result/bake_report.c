@@ -110,6 +110,24 @@ static double whole_seconds(const bake_facts *f, double seconds)
 	return seconds > 0.0 ? seconds + f->read_seconds + f->write_seconds : 0.0;
 }
 
+/* Points that no one asked for are dark and say nothing. */
+static bool is_written(const gw_bake_result *result, size_t point)
+{
+	return !result->asked || result->asked[point];
+}
+
+static void write_region(json_writer *json, const gw_report *r)
+{
+	if (r->region_points == 0)
+		return;
+	json_put_open_flat(json, "region", '{');
+	json_put_count(json, "points", r->region_points);
+	json_put_count(json, "records", r->region_records);
+	json_put_count(json, "facets_needed", r->region_facets);
+	json_put_count(json, "facets", r->facets);
+	json_put_close(json, '}');
+}
+
 static void write_bounces(json_writer *json, const bake_facts *f)
 {
 	const gw_report *r = &f->result->report;
@@ -225,16 +243,20 @@ static void write_luminance(json_writer *json, const bake_facts *f)
 {
 	const float *radiance = f->result->radiance;
 	size_t n = f->result->count;
-	double least = n ? preview_luminance(radiance) : 0.0, most = least, sum = 0.0;
+	double least = INFINITY, most = 0.0, sum = 0.0;
+	size_t count = 0;
 	for (size_t i = 0; i < n; i++) {
 		double luminance = preview_luminance(radiance + 3 * i);
+		if (!is_written(f->result, i))
+			continue;
 		least = luminance < least ? luminance : least;
 		most = luminance > most ? luminance : most;
 		sum += luminance;
+		count++;
 	}
 	json_put_open_flat(json, "luminance", '{');
-	json_put_real(json, "minimum", least);
-	json_put_real(json, "mean", n ? sum / (double)n : 0.0);
+	json_put_real(json, "minimum", count ? least : 0.0);
+	json_put_real(json, "mean", count ? sum / (double)count : 0.0);
 	json_put_real(json, "maximum", most);
 	json_put_close(json, '}');
 	json_put_real(json, "exposure", f->exposure);
@@ -252,7 +274,7 @@ gw_status bake_report_write(const bake_facts *f, output_file *out, gw_error *err
 	json_put_open(&json, NULL, '{');
 	json_put_text(&json, "glowworm", GW_VERSION);
 	json_put_text(&json, "command", f->settings->command);
-	json_put_count(&json, "points", f->result->count);
+	json_put_count(&json, "points", f->result->asked ? r->region_points : f->result->count);
 	write_inputs(&json, f);
 	scene_write_members(&json, f->settings);
 	json_put_text(&json, "device", r->device);
@@ -263,6 +285,7 @@ gw_status bake_report_write(const bake_facts *f, output_file *out, gw_error *err
 	if (f->forecast.plan)
 		bake_plan_write_forecast(&json, &f->forecast);
 	write_octree(&json, r);
+	write_region(&json, r);
 	write_stages(&json, f);
 	write_bounces(&json, f);
 	if (r->goal != GW_GOAL_NONE)
@@ -562,13 +585,15 @@ static void note_dark(const gw_bake_result *result)
 {
 	char percent[TEXT_PERCENT];
 	double sum = 0.0;
-	size_t dark = 0;
-	for (size_t i = 0; i < result->count; i++)
+	size_t dark = 0, count = 0;
+	for (size_t i = 0; i < result->count; i++) {
 		sum += preview_luminance(result->radiance + 3 * i);
-	double least = DARK * sum / (double)result->count;
+		count += is_written(result, i);
+	}
+	double least = DARK * sum / (double)count;
 	for (size_t i = 0; i < result->count; i++)
-		dark += !(preview_luminance(result->radiance + 3 * i) > least);
-	double share = (double)dark / (double)result->count;
+		dark += is_written(result, i) && !(preview_luminance(result->radiance + 3 * i) > least);
+	double share = (double)dark / (double)count;
 	if (share > DARK_SHARE)
 		fprintf(stderr,
 				"glowworm: note: %s %% of the points get no light, or less than a thousandth of "
@@ -743,6 +768,12 @@ void bake_report_summary(const bake_facts *f)
 			r->depth, r->leaf_size, r->leaves);
 	fprintf(stderr, "glowworm: %" PRIu32 " bounces; the rest would add at most %.2g of the light\n",
 			r->bounce_count, r->remaining);
+	if (r->region_points > 0)
+		fprintf(stderr,
+				"glowworm: region: %" PRIu64 " points, by %" PRIu64 " records of %" PRIu64
+				"; what they depend on is %.3g %% of the surface\n",
+				r->region_points, r->region_records, r->records,
+				100.0 * (double)r->region_facets / fmax((double)r->facets, 1.0));
 	if (r->error.points)
 		fprintf(stderr,
 				"glowworm: estimated error: bias %s %%, from %" PRIu32 " points solved again\n",

@@ -190,7 +190,8 @@ static bool is_doubtful(const light_shares *f, size_t i)
 		flux += other;
 		share += other > 0.0 && r->given[k].share > 0.0 ? r->given[k].share : 0.0;
 	}
-	if (!(own > 0.0) || !shines(&r->given[i]))
+	/* A region may lie wherever the lamp does not shine. */
+	if (!(own > 0.0) || !shines(&r->given[i]) || r->asked)
 		return false;
 	double given = r->given[i].share / share * flux / own;
 	bool behind = given < DOUBTFUL_BEHIND && is_behind(f, light_of(f, i));

@@ -358,13 +358,55 @@ static gw_status make_all(maker *m)
 	return make_fields(m);
 }
 
+/* The exposure of the points that are written. */
+static gw_status meter(const gw_bake_result *result, const float *emission, double *exposure,
+					   gw_error *error)
+{
+	size_t count = 0;
+	if (!result->asked) {
+		*exposure = preview_exposure(result->radiance, emission, result->count);
+		return GW_OK;
+	}
+	float *light = reallocarray(NULL, result->count + 1, 6 * sizeof *light);
+	if (!light)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to meter %zu points", result->count);
+	float *glow = light + 3 * result->count;
+	for (size_t i = 0; i < result->count; i++) {
+		if (!result->asked[i])
+			continue;
+		memcpy(light + 3 * count, result->radiance + 3 * i, 3 * sizeof *light);
+		if (emission)
+			memcpy(glow + 3 * count, emission + 3 * i, 3 * sizeof *glow);
+		count++;
+	}
+	*exposure = preview_exposure(light, emission ? glow : NULL, count);
+	free(light);
+	return GW_OK;
+}
+
+/* Points that are not asked for, and strays that are not to be written, leave. */
+static gw_status drop_points(scan *lit, const gw_bake_result *result, bool strays, gw_error *error)
+{
+	strays = strays && result->stray;
+	if (!strays && !result->asked)
+		return GW_OK;
+	uint8_t *gone = calloc(result->count + 1, 1);
+	if (!gone)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to mark %zu points", result->count);
+	for (size_t i = 0; i < result->count; i++)
+		gone[i] = (strays && result->stray[i]) || (result->asked && !result->asked[i]);
+	scan_remove_points(lit, gone);
+	free(gone);
+	return GW_OK;
+}
+
 gw_status lit_scan_make(loaded_scene *scene, const gw_bake_result *result, const settings *s,
 						scan *lit, double *exposure, gw_error *error)
 {
 	*lit = (scan){ .count = scene->cloud.count, .up = scene->up };
-	*exposure = isnan(s->exposure)
-					? preview_exposure(result->radiance, scene->points.points.emission, lit->count)
-					: (double)s->exposure;
+	*exposure = (double)s->exposure;
+	if (isnan(s->exposure))
+		GW_TRY(meter(result, scene->points.points.emission, exposure, error));
 	maker m = { &scene->cloud, lit, result, s, *exposure, error };
 	bake_columns_remove(m.from, BAKE_COLUMNS_ALL);
 	lamp_columns_remove(m.from);
@@ -376,8 +418,8 @@ gw_status lit_scan_make(loaded_scene *scene, const gw_bake_result *result, const
 	m.from->scanner_of = NULL;
 	m.from->scanner_count = 0;
 	scan_clear(&scene->cloud);
-	if (status == GW_OK && s->strays == SETTINGS_STRAYS_DROP && result->stray)
-		scan_remove_points(lit, result->stray);
+	if (status == GW_OK)
+		status = drop_points(lit, result, s->strays == SETTINGS_STRAYS_DROP, error);
 	if (status != GW_OK)
 		scan_clear(lit);
 	return status;

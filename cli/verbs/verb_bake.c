@@ -7,6 +7,7 @@
 #include "result/light_shares.h"
 #include "result/lit_scan.h"
 #include "scene/mesh_notes.h"
+#include "scene/region_text.h"
 #include "options/output_name.h"
 #include "options/progress.h"
 #include "options/quality_preset.h"
@@ -30,6 +31,7 @@ typedef struct bake {
 	output_file *output, *report, *transport;
 	input_file reused; /* a transport */
 	loaded_scene scene;
+	region_points region;
 	gw_light *light;
 	gw_bake_result *result;
 	gw_drivers *drivers; /* loaded while the inputs are read */
@@ -110,6 +112,7 @@ static gw_status check(bake *b)
 	if (s->vdb_voxel > 0.0f && !s->vdb)
 		return gw_fail(b->error, GW_ERROR_USAGE, "--vdb-voxel needs --vdb FILE");
 	GW_TRY(check_units(s, b->error));
+	GW_TRY(region_text_check(s, b->error));
 	GW_TRY(check_streams(s, b->error));
 	GW_TRY(frame_bake_check(s, b->error));
 	if (!s->frames)
@@ -315,6 +318,10 @@ static gw_status light_points(bake *b)
 									 .user = b };
 	if (transport.data || transport.write)
 		options.transport = &transport;
+	if (b->settings->region) {
+		GW_TRY(region_points_find(b->settings, &b->scene, &b->region, b->error));
+		options.region = &b->region.region;
+	}
 	gw_bake_callbacks callbacks = { on_progress, on_cancelled, b,
 									b->settings->explain ? on_planned : NULL };
 	gw_status status =
@@ -544,6 +551,7 @@ gw_status verb_bake(settings *s, gw_error *error)
 	s->bake.drivers = NULL;
 	gw_drivers_release(&b.drivers);
 	gw_bake_result_destroy(&b.result);
+	region_points_clear(&b.region);
 	loaded_scene_clear(&b.scene);
 	scan_clear(&b.lit);
 	free(b.light);

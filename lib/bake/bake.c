@@ -248,9 +248,20 @@ static bool needs_octree(const bake *b)
 	return needs_surface(b) && (b->light.plan.octree || b->light.plan.lamps);
 }
 
+/* Of a region it is known only by its records what lamps have to shine on. */
+static bool waits_for_records(const bake *b)
+{
+	return b->scene.region.asked && b->light.plan.records;
+}
+
 static bool needs_lamplight(const bake *b)
 {
-	return b->light.plan.lamps;
+	return b->light.plan.lamps && !waits_for_records(b);
+}
+
+static bool needs_late_lamplight(const bake *b)
+{
+	return b->light.plan.lamps && waits_for_records(b);
 }
 
 static bool needs_records(const bake *b)
@@ -306,6 +317,7 @@ static const step steps[] = {
 	{ "direct light", 0.1, light_directly, needs_lamplight },
 	{ "forecast", 0.0, foretell, needs_forecast },
 	{ "records", 0.18, place_records, needs_places },
+	{ "direct light", 0.0, light_directly, needs_late_lamplight },
 	{ "first gather", 0.04, gather_first, needs_records },
 	{ "bounces", 0.05, bounce, needs_records },
 	{ "read back", 0.0, read_back, needs_records },
@@ -319,7 +331,7 @@ static const step steps[] = {
 };
 
 /* Where in steps a round begins: with a new octree, or with new records; and what comes after. */
-enum { OCTREE_STEP = 5, RECORDS_STEP = 8, AFTER_ROUND = 13, STEP_COUNT = 19 };
+enum { OCTREE_STEP = 5, RECORDS_STEP = 8, AFTER_ROUND = 14, STEP_COUNT = 20 };
 
 _Static_assert(sizeof steps / sizeof *steps == STEP_COUNT, "all steps run");
 
@@ -679,6 +691,9 @@ gw_status gw_plan_bake(const gw_scene_description *scene, const gw_bake_options 
 	*plan = NULL;
 	options = options ? options : &ordinary;
 	GW_TRY(gw_options_check(options, scene, error));
+	if (options->region)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "what the light of a region takes is not foretold; plan the whole scene");
 	const gw_bake_options effective = gw_options_effective(options);
 	const gw_bake_manner planning = { .planning = true };
 	return gw_bake_once(scene, &effective, planning, callbacks, plan, error);

@@ -358,6 +358,10 @@ gw_status gw_frames_open(const gw_moving_scene *scene, const gw_bake_options *op
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "frames in which something moves cannot begin with a transport nor make "
 					   "one; leave it out");
+	if (options->region)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "frames are of the whole scene; bake each as a scene of its own to light a "
+					   "region of it");
 	GW_TRY(gw_motion_check(points, motion, error));
 	gw_frames *f = gw_allocate_zeros(1, sizeof *f);
 	if (f)

@@ -157,6 +157,15 @@ gw_status gw_half_sample_make(const gw_points *points, uint32_t level, gw_half_s
 			   : gw_fail(error, GW_ERROR_MEMORY, "no memory for half of %zu points", points->count);
 }
 
+gw_status gw_half_sample_ask(gw_half_sample *half, const uint8_t *asked, gw_error *error)
+{
+	bool good = true;
+	half->asked = copy_rows(half, asked, 1, &good);
+	return good ? GW_OK
+				: gw_fail(error, GW_ERROR_MEMORY, "no memory for half of %zu points",
+						  half->points.count);
+}
+
 void gw_half_sample_clear(gw_half_sample *half)
 {
 	free(half->from);
@@ -171,6 +180,7 @@ void gw_half_sample_clear(gw_half_sample *half)
 	free(half->image_cell);
 	free(half->image);
 	free(half->stray);
+	free(half->asked);
 	*half = (gw_half_sample){ .from = NULL };
 }
 
@@ -181,7 +191,8 @@ static bool counts(const gw_half_sample *half, const gw_bake_result *all, size_t
 	size_t of_all = half->from[i];
 	const float *e = half->emission ? half->emission + 3 * i : NULL;
 	return !(e && (e[0] > 0.0f || e[1] > 0.0f || e[2] > 0.0f)) &&
-		   !(all->stray && all->stray[of_all]) && isfinite(half->position[3 * i]);
+		   !(all->stray && all->stray[of_all]) && !(all->asked && !all->asked[of_all]) &&
+		   isfinite(half->position[3 * i]);
 }
 
 /* Whether a point shows one side in the half and the other one among all. */

@@ -44,6 +44,7 @@ typedef struct gw_half_sample {
 	uint32_t *scanner_of, *image_cell;
 	gw_range_image *image;
 	uint8_t *stray;
+	uint8_t *asked; /* NULL: all; those whose light is asked for */
 } gw_half_sample;
 
 /*
@@ -68,6 +69,10 @@ gw_bake_options gw_half_sample_options(const gw_bake_options *options);
  */
 gw_status gw_half_sample_make(const gw_points *points, uint32_t level, gw_half_sample *half,
 							  gw_error *error);
+
+/* Asks for the light of those that the bake of all was asked for; asked: as gw_bake_result has it.
+ * GW_ERROR_MEMORY. */
+gw_status gw_half_sample_ask(gw_half_sample *half, const uint8_t *asked, gw_error *error);
 void gw_half_sample_clear(gw_half_sample *half);
 
 /* Root mean square differences of radiance, over its mean; the squares of both parts add up. */

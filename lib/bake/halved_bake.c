@@ -80,7 +80,9 @@ static gw_status bake_half(whole *w, const gw_half_sample *half, const gw_bake_c
 {
 	const gw_scene_description scene = { &half->points, w->scene->lights, w->scene->light_count };
 	const gw_bake_manner manner = { .device = &w->device };
-	const gw_bake_options plain = gw_half_sample_options(w->options);
+	const gw_region region = { .point = half->asked };
+	gw_bake_options plain = gw_half_sample_options(w->options);
+	plain.region = half->asked ? &region : NULL;
 	return half->points.count > 0
 			   ? gw_bake_once(&scene, &plain, manner, callbacks, result, error)
 			   : gw_fail(error, GW_ERROR_DATA, "nothing is left of the points in half of them");
@@ -110,12 +112,16 @@ static gw_status compare_halves(whole *w, gw_stage *stage, gw_bake_result *resul
 	double gathered = r->round_count > 0 ? r->round[0].error.gathered : r->error.gathered;
 	gw_status status = gw_half_sample_make(w->scene->points, 0, &half, error);
 	if (status == GW_OK)
+		status = gw_half_sample_ask(&half, result->asked, error);
+	if (status == GW_OK)
 		status = bake_half(w, &half, &of_second, &of_half, error);
 	if (status == GW_OK)
 		first = gw_half_sample_difference(&half, of_half, result);
 	bool more = status == GW_OK && gw_half_difference_all(&first) > r->error.relative_rms;
 	if (more)
 		status = gw_half_sample_make(&half.points, 1, &quarter, error);
+	if (more && status == GW_OK)
+		status = gw_half_sample_ask(&quarter, of_half->asked, error);
 	if (more && status == GW_OK)
 		status = bake_half(w, &quarter, &of_third, &of_quarter, error);
 	if (more && status == GW_OK)
@@ -159,6 +165,9 @@ gw_status gw_bake(const gw_scene_description *scene, const gw_bake_options *opti
 	options = options ? options : &ordinary;
 	GW_TRY(gw_options_check(options, scene, error));
 	const gw_bake_options effective = gw_options_effective(options);
+	if (options->region && callbacks && callbacks->planned)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "what the light of a region takes is not foretold; ask for no plan of it");
 	options = &effective;
 	part first = parts[0];
 	first.share = gw_half_sample_is_likely(scene->points, options) ? first.share : 1.0;

@@ -123,8 +123,13 @@ gw_status gw_lighting_direct(gw_lighting *lighting, gw_error *error)
 	if (slots > 0)
 		GW_TRY(darken(lighting, GW_BUFFER_TEXEL, slots, "facet direct irradiance",
 					  &lighting->facet_direct, error));
-	const gw_lit_cloud cloud = { &scene->passes, &scene->octree, &scene->surfels, &scene->options,
-								 closed_space(scene) };
+	const gw_lit_cloud cloud = { .passes = &scene->passes,
+								 .octree = &scene->octree,
+								 .surfels = &scene->surfels,
+								 .options = &scene->options,
+								 .lit = scene->region.lit,
+								 .asked = scene->region.asked,
+								 .closed = closed_space(scene) };
 	if (lighting->plan.shadows)
 		GW_TRY(gw_scene_find_compartments(scene, error));
 	bool off = lighting->whole == NULL && scene->surfels.shading_normal_off && lighting->plan.error;
@@ -732,6 +737,7 @@ static gw_status find_gap_error(gw_lighting *lighting, const gw_estimate_task *e
 	gw_scene *s = lighting->scene;
 	const gw_gap_error_task task = { .on = gw_scene_context(s, &s->records),
 									 .surfels = &s->surfels,
+									 .asked = s->region.asked,
 									 .space = &s->space,
 									 .read_back = &s->read_back,
 									 .gap = lighting->gap,
@@ -780,6 +786,7 @@ gw_status gw_lighting_estimate(gw_lighting *lighting, gw_error *error)
 			.light_count = lighting->plan.lamps ? lighting->light_count : 0,
 			.options = o,
 			.limit = lighting->plan.bounces ? lighting->plan.limit : 1,
+			.asked = s->region.asked,
 			.seen = s->space.scanners > 0,
 			.closed = closed_space(s),
 			.hits = &s->check_points

@@ -87,7 +87,8 @@ static void spread_mass(const gw_scene *s, density_work *w)
 	const gw_read_back *rows = &s->read_back;
 	for (size_t i = 0; i < surfels->count; i++) {
 		const float *emission = surfels->emission ? surfels->emission + 3 * i : NULL;
-		if (surfels->two_sided[i] || (emission && gw_luminance(emission) > 0.0))
+		if (surfels->two_sided[i] || (s->region.asked && !s->region.asked[i]) ||
+			(emission && gw_luminance(emission) > 0.0))
 			continue;
 		double rho = gw_luminance(surfels->albedo + 3 * i);
 		double variance = rho * rho * gw_read_back_variance(rows, w->light, i, LONELY_SHARE);
@@ -153,10 +154,11 @@ static gw_status begin(const gw_scene *s, gw_record_density *density, density_wo
 		!density->facet_spacing || !density->surfel_spacing || !density->facet_closer ||
 		!density->surfel_closer)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory to refine %zu records", w->records);
+	float spacing = s->region.facet_spacing ? s->region.spacing : s->records.spacing;
 	for (size_t i = 0; i < w->slots && first; i++)
-		density->facet_spacing[i] = s->records.spacing;
+		density->facet_spacing[i] = s->region.facet_spacing ? s->region.facet_spacing[i] : spacing;
 	for (size_t i = 0; i < s->surfels.count && first; i++)
-		density->surfel_spacing[i] = s->records.spacing;
+		density->surfel_spacing[i] = spacing;
 	GW_TRY(
 		gw_buffer_download(s->gpu, &s->records.facet_record, 0, w->facet_record, 4 * words, error));
 	return gw_buffer_download(s->gpu, &s->records.facet_weight, 0, w->facet_weight, 4 * words,

@@ -6,6 +6,7 @@
 #include "base/luminance.h"
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "bake/region.h"
 #include "bake/report.h"
 #include "bake/voxels.h"
 #include "cloud/surfels.h"
@@ -48,7 +49,7 @@ static void scatter_points(void *user, size_t first, size_t last, uint32_t worke
 	(void)worker;
 	for (size_t i = first; i < last; i++) {
 		uint32_t own = surfels->surfel_of_point[i], s = gw_lighting_shown(light, own);
-		if (s == UINT32_MAX)
+		if (s == UINT32_MAX || !gw_region_has(light->scene, i))
 			continue;
 		const float *rho = gw_albedo_of_point(surfels, i, s);
 		out->roi[i] = fminf(1.0f, surfels->nearest[s] / light->scene->octree.leaf_size);
@@ -81,7 +82,8 @@ static gw_status collect_strays(const scatter *job, gw_error *error)
 		const gw_stray *stray = &surfels->stray[j];
 		size_t i = stray->point, own = stray->surfel, s = gw_lighting_shown(light, stray->surfel);
 		out->stray[i] = (uint8_t)(1 + stray->kind);
-		for (size_t c = 0; c < 3 && stray->surfel != UINT32_MAX; c++) {
+		bool lit = stray->surfel != UINT32_MAX && gw_region_has(light->scene, i);
+		for (size_t c = 0; c < 3 && lit; c++) {
 			float direct = component(job->direct, s, c) + component(light->surfel_first, s, c);
 			float indirect = component(light->surfel_indirect, s, c);
 			out->direct_irradiance[3 * i + c] = direct;
@@ -100,9 +102,11 @@ static gw_status collect_strays(const scatter *job, gw_error *error)
 static double gathered_flux(const gw_lighting *lighting)
 {
 	const gw_surfels *s = &lighting->scene->surfels;
+	const bool *asked = lighting->scene->region.asked;
 	double flux = 0.0;
 	for (size_t i = 0; lighting->surfel_first && i < s->count; i++)
-		flux += (double)s->area[i] * gw_luminance(lighting->surfel_first + 4 * i);
+		if (!asked || asked[i])
+			flux += (double)s->area[i] * gw_luminance(lighting->surfel_first + 4 * i);
 	return flux;
 }
 
@@ -141,6 +145,18 @@ gw_status gw_result_share_light(gw_lighting *lighting, gw_bake_result *result, g
 	return GW_OK;
 }
 
+/* Which points are lit, where some are not. */
+static gw_status copy_asked(const gw_scene *scene, gw_bake_result *result, gw_error *error)
+{
+	if (!scene->region.point)
+		return GW_OK;
+	result->asked = gw_allocate_array(result->count, sizeof *result->asked);
+	if (!result->asked)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to mark the points of a region");
+	memcpy(result->asked, scene->region.point, result->count);
+	return GW_OK;
+}
+
 gw_status gw_result_collect(gw_lighting *lighting, gw_bake_result *result, gw_error *error)
 {
 	const gw_scene *scene = lighting->scene;
@@ -155,7 +171,8 @@ gw_status gw_result_collect(gw_lighting *lighting, gw_bake_result *result, gw_er
 		const uint32_t *row = scene->read_back.first;
 		uint64_t lost = 0;
 		for (size_t i = 0; lighting->surfel_first && i < scene->surfels.count; i++)
-			lost += row[i] == row[i + 1] && scene->surfels.two_sided[i] != GW_SIDE_BACK;
+			lost += row[i] == row[i + 1] && scene->surfels.two_sided[i] != GW_SIDE_BACK &&
+					(!scene->region.asked || scene->region.asked[i]);
 		gw_report_count(scene->report, "without_record", lost,
 						"point{|s} with no record near: no gathered light");
 		scatter job = { lighting, direct, result };
@@ -163,6 +180,8 @@ gw_status gw_result_collect(gw_lighting *lighting, gw_bake_result *result, gw_er
 						&job);
 		status = collect_strays(&job, error);
 	}
+	if (status == GW_OK)
+		status = copy_asked(scene, result, error);
 	free(direct);
 	return status == GW_OK ? gw_result_share_light(lighting, result, error) : status;
 }
@@ -183,7 +202,7 @@ static void scatter_radiance(void *user, size_t first, size_t last, uint32_t wor
 	(void)worker;
 	for (size_t i = first; i < last; i++) {
 		uint32_t s = gw_lighting_shown(job->light, surfels->surfel_of_point[i]);
-		if (s == UINT32_MAX)
+		if (s == UINT32_MAX || !gw_region_has(job->light->scene, i))
 			continue;
 		const float *rho = gw_albedo_of_point(surfels, i, s);
 		for (size_t c = 0; c < 3; c++) {
@@ -202,7 +221,8 @@ static void add_strays(const part_radiance *job)
 	for (size_t j = 0; j < surfels->stray_count; j++) {
 		const gw_stray *stray = &surfels->stray[j];
 		size_t s = gw_lighting_shown(job->light, stray->surfel);
-		for (size_t c = 0; c < 3 && stray->surfel != UINT32_MAX; c++) {
+		bool lit = stray->surfel != UINT32_MAX && gw_region_has(job->light->scene, stray->point);
+		for (size_t c = 0; c < 3 && lit; c++) {
 			float irradiance = component(job->direct, s, c) +
 							   component(job->light->surfel_first, s, c) +
 							   component(job->light->surfel_indirect, s, c);
@@ -306,6 +326,7 @@ void gw_bake_result_destroy(gw_bake_result **result)
 	free(r->unknown);
 	free(r->roi);
 	free(r->stray);
+	free(r->asked);
 	free(r->given);
 	gw_voxels_clear(&r->voxels);
 	free(r->volume.cell);

@@ -232,6 +232,21 @@ static gw_status take_opacity(gw_scaled_scene *scaled, gw_error *error)
 	return GW_OK;
 }
 
+/* The camera of a region, where there is one. */
+static void scale_camera(gw_scaled_scene *scaled)
+{
+	const gw_region *region = scaled->options.region;
+	if (!region || !region->camera)
+		return;
+	scaled->camera = *region->camera;
+	for (int k = 0; k < 3; k++)
+		scaled->camera.position[k] = ldexp(scaled->camera.position[k], scaled->length);
+	scaled->camera.near = ldexp(scaled->camera.near, scaled->length);
+	scaled->region = *region;
+	scaled->region.camera = &scaled->camera;
+	scaled->options.region = &scaled->region;
+}
+
 gw_status gw_scaled_scene_make(const gw_scene_description *scene, const gw_bake_options *options,
 							   double reach, gw_scaled_scene *scaled, gw_error *error)
 {
@@ -268,6 +283,7 @@ gw_status gw_scaled_scene_make(const gw_scene_description *scene, const gw_bake_
 	scaled->options.ambient_occlusion_distance =
 		fminf(ldexpf(options->ambient_occlusion_distance, scaled->length), DISTANCE_MOST);
 	scaled->options.gap_radiance = ldexpf(options->gap_radiance, scaled->light);
+	scale_camera(scaled);
 	return GW_OK;
 }
 

@@ -8,7 +8,7 @@
 #ifndef SCALED_SCENE_H
 #define SCALED_SCENE_H
 
-#include "glowworm.h"
+#include "glowworm_picture.h"
 
 typedef struct gw_scaled_scene {
 	int length;                 /* lengths are multiplied by 2^length, */
@@ -20,6 +20,8 @@ typedef struct gw_scaled_scene {
 	double *position, *scanner; /* of points, where they are copies */
 	double *visible;            /* the same of points of which some are invisible: without these */
 	float *emission, *own_area;
+	gw_region region; /* of options, where its camera is a copy: */
+	gw_camera camera;
 } gw_scaled_scene;
 
 /*

@@ -2,6 +2,7 @@
  * scene.c - see scene.h.
  */
 #include "bake/scene.h"
+#include "bake/region.h"
 
 #include "light/direct_light.h"
 #include "glowworm_host.h"
@@ -132,6 +133,27 @@ static gw_status check_volume(const gw_bake_options *o, gw_error *error)
 	return GW_OK;
 }
 
+static gw_status check_region(const gw_bake_options *o, gw_error *error)
+{
+	const gw_region *r = o->region;
+	if (!r)
+		return GW_OK;
+	if (o->method != GW_METHOD_RAYS)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "the light of a region is gathered by rays; leave out the method '%s'",
+					   gw_method_name(o->method));
+	if (o->transport || o->voxels || o->volume)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "a region is lit alone, and %s of the whole scene; bake the whole for it",
+					   o->transport ? "a transport is" : "grids are");
+	if (r->camera && !(r->aspect >= 1.0 / 64.0 && r->aspect <= 64.0))
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "the picture of a region's camera has a width of %g by its height; give "
+					   "1/64 to 64",
+					   r->aspect);
+	return GW_OK;
+}
+
 gw_status gw_options_check(const gw_bake_options *o, const gw_scene_description *scene,
 						   gw_error *error)
 {
@@ -186,6 +208,7 @@ gw_status gw_options_check(const gw_bake_options *o, const gw_scene_description 
 					   o->method == GW_METHOD_CONES ? "cones" : "a volume",
 					   o->method == GW_METHOD_CONES ? "" : "es");
 	GW_TRY(check_volume(o, error));
+	GW_TRY(check_region(o, error));
 	if (o->gap_radiance > 0.0f && (o->lamps || o->gaps != GW_GAPS_BLACK))
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "a radiance of gaps takes gaps that are black without it, and is no lamp's: "
@@ -433,7 +456,7 @@ gw_status gw_scene_make_surfels(gw_scene *scene, const gw_scene_description *fro
 		gw_scene_surfels_options(scene, from->lights, from->light_count);
 	GW_TRY(gw_surfels_make(from->points, &options, &scene->surfels, error));
 	gw_report_surfels(scene->report, &scene->surfels, from->points);
-	return GW_OK;
+	return gw_region_ask(scene, error);
 }
 
 void gw_scene_report_octree(const gw_scene *scene)
@@ -520,7 +543,8 @@ static gw_status trace_records(gw_scene *scene, gw_error *error)
 static void report_records(gw_scene *scene)
 {
 	scene->report->records = scene->records.count;
-	scene->report->record_spacing = scene->records.spacing;
+	scene->report->record_spacing =
+		scene->region.asked ? scene->region.spacing : scene->records.spacing;
 }
 
 gw_volume_wish gw_scene_wish_volume(const gw_scene *scene)
@@ -600,22 +624,25 @@ gw_record_wish gw_scene_wish_records(const gw_scene *scene, const gw_bake_option
 
 /* By how much normals are off: the root of the mean square, radians; of noisy points how far their
  * own normals are turned from the surface's counts as well. */
-static double normals_off(const gw_surfels *s)
+static double normals_off(const gw_scene *scene)
 {
+	const gw_surfels *s = &scene->surfels;
+	const bool *asked = scene->region.asked;
 	double sum = 0.0;
 	for (size_t i = 0; i < s->count && s->shading_normal_off; i++)
-		sum += (double)s->shading_normal_off[i] * (double)s->shading_normal_off[i];
+		if (!asked || asked[i])
+			sum += (double)s->shading_normal_off[i] * (double)s->shading_normal_off[i];
 	for (size_t i = 0; i < s->count && s->shading_normal; i++) {
 		const float *a = s->normal + 3 * i, *b = s->shading_normal + 3 * i;
 		double cosine = (double)(a[0] * b[0] + a[1] * b[1] + a[2] * b[2]);
-		sum += fmax(0.0, 1.0 - cosine * cosine);
+		if (!asked || asked[i])
+			sum += fmax(0.0, 1.0 - cosine * cosine);
 	}
-	return sqrt(sum / (double)s->count);
+	return sqrt(sum / (double)(asked ? scene->region.count : s->count));
 }
 
-/* How much it matters that records know from where their light comes: how far normals are turned
- * from theirs, unless that is noise. */
-static gw_status measure_turn(gw_scene *scene, gw_error *error)
+/* By how far normals are turned from theirs, unless that is noise. */
+gw_status gw_scene_measure_turn(gw_scene *scene, gw_error *error)
 {
 	const gw_surfels *s = &scene->surfels;
 	gw_view normal;
@@ -627,7 +654,9 @@ static gw_status measure_turn(gw_scene *scene, gw_error *error)
 	scene->turn =
 		gw_read_back_turn(&scene->read_back, normal.bytes, s->normal, scene->options.threads);
 	gw_view_close(&normal);
-	if (normals_off(s) > OFF_MOST * scene->turn)
+	if (scene->region.asked) /* the rows of others are empty by then */
+		scene->turn *= sqrt((double)s->count / (double)scene->region.count);
+	if (normals_off(scene) > OFF_MOST * scene->turn)
 		scene->turn = 0.0;
 	return GW_OK;
 }
@@ -636,17 +665,22 @@ gw_status gw_scene_place_records(gw_scene *scene, gw_error *error)
 {
 	const gw_record_context on = gw_scene_context(scene, &scene->records);
 	const gw_record_wish wish = gw_scene_wish_records(scene, &scene->options);
+	if (scene->region.asked) {
+		GW_TRY(gw_region_place_records(scene, error));
+		report_records(scene);
+		report_rays(scene);
+		return GW_OK;
+	}
 	GW_TRY(gw_records_place(&on, &wish, error));
 	report_records(scene);
 	GW_TRY(trace_records(scene, error));
 	GW_TRY(make_pools(scene, error));
 	GW_TRY(gw_records_weigh_facets(&on, NULL, error));
 	GW_TRY(gw_read_back_make(&on, scene->surfels.count, &scene->read_back, error));
-	return measure_turn(scene, error);
+	return gw_scene_measure_turn(scene, error);
 }
 
-/* The records from `first` on, by themselves. */
-static gw_status list_further(gw_scene *scene, uint32_t first, gw_error *error)
+gw_status gw_scene_list_further(gw_scene *scene, uint32_t first, gw_error *error)
 {
 	gw_records *all = &scene->records;
 	size_t count = all->count - first;
@@ -696,13 +730,13 @@ gw_status gw_scene_add_records(gw_scene *scene, const gw_record_density *density
 	GW_TRY(gw_records_add(&on, scene->options.seed, density->facet_spacing, error));
 	report_records(scene);
 	if (scene->records.count > before)
-		GW_TRY(list_further(scene, before, error));
+		GW_TRY(gw_scene_list_further(scene, before, error));
 	if (scene->further.count > 0)
 		GW_TRY(gw_ray_gather_add(&further, &scene->rays, &scene->further_rays, error));
 	report_rays(scene);
 	GW_TRY(gw_ray_gather_look(&on, &scene->rays, error));
 	GW_TRY(weigh_again(scene, density, error));
-	return measure_turn(scene, error);
+	return scene->region.asked ? GW_OK : gw_scene_measure_turn(scene, error);
 }
 
 bool gw_scene_keeps_moments(const gw_scene *scene)
@@ -744,7 +778,7 @@ gw_status gw_scene_complete(gw_scene *scene, const gw_points *points, gw_error *
 	report_records(scene);
 	GW_TRY(gw_scene_find_space(scene, points, error));
 	GW_TRY(gw_records_make_room(scene->gpu, &scene->records, error));
-	GW_TRY(measure_turn(scene, error));
+	GW_TRY(gw_scene_measure_turn(scene, error));
 	return make_pools(scene, error);
 }
 
@@ -768,6 +802,7 @@ gw_status gw_scene_keep_hits(gw_scene *scene, gw_kept_hits *kept, gw_error *erro
 
 void gw_scene_drop_records(gw_scene *scene)
 {
+	gw_region_drop_records(&scene->region);
 	gw_cone_gather_destroy(scene->gpu, &scene->cones);
 	gw_volume_rows_destroy(scene->gpu, &scene->volume_rows);
 	gw_radiance_volume_destroy(scene->gpu, &scene->volume);
@@ -792,6 +827,7 @@ void gw_scene_drop_octree(gw_scene *scene)
 
 void gw_scene_close(gw_scene *scene)
 {
+	gw_region_clear(&scene->region);
 	gw_surfels_clear(&scene->surfels);
 	gw_scanned_space_clear(&scene->space);
 	if (scene->gpu == NULL)

@@ -29,6 +29,17 @@ typedef struct gw_record_density {
 	bool *facet_closer, *surfel_closer; /* likewise: whose spacing has become less */
 } gw_record_density;
 
+/* What a bake of a region needs (region.h). All zero: everything is lit. */
+typedef struct gw_region_needs {
+	bool *asked;          /* NULL: all; surfel count: those whose light is asked for */
+	size_t count;         /* of these */
+	uint8_t *point;       /* likewise, one a point: as gw_bake_result.asked */
+	float spacing;        /* between the region's records, leaf cells */
+	float *facet_spacing; /* 2 * leaf_count: on each facet, INFINITY where none are needed; NULL
+							 before records were placed, and so the next */
+	bool *lit;            /* surfel count: those that lamps have to shine on */
+} gw_region_needs;
+
 /* Where the work is, for those who wait. All zero: nothing has begun. */
 typedef struct gw_scene_stage {
 	const char *name;    /* of the stage under way */
@@ -50,6 +61,7 @@ struct gw_scene {
 	 * there, if there is one, and closing puts it back. Not owned. */
 	gw_gpu **lent;
 	gw_surfels surfels;
+	gw_region_needs region;
 	gw_scanned_space space; /* what scanners saw; empty where nobody knows */
 	gw_octree octree;
 	gw_passes passes;
@@ -168,6 +180,12 @@ gw_status gw_scene_add_records(gw_scene *scene, const gw_record_density *density
 /* Whether records keep from where their light comes (moments.h): where that is asked for, or
  * surfels' normals differ from their records' by more than noise; not where gaps are closed. */
 bool gw_scene_keeps_moments(const gw_scene *scene);
+
+/* The records from `first` on, by themselves, as scene->further. */
+gw_status gw_scene_list_further(gw_scene *scene, uint32_t first, gw_error *error);
+
+/* How much it matters that records know from where their light comes, into scene->turn. */
+gw_status gw_scene_measure_turn(gw_scene *scene, gw_error *error);
 
 /* Finds what rock keeps apart, and what records must not see through it. */
 gw_status gw_scene_find_compartments(gw_scene *scene, gw_error *error);

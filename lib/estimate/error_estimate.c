@@ -75,13 +75,13 @@ static bool emits(const gw_surfels *surfels, size_t i)
 /* Points whose error counts: emitters outshine theirs, so they do not unless there is nothing else;
  * and of points that are lit from both sides it is not known which side a gather is to look from.
  */
-static void choose_points(const gw_surfels *surfels, bool *counts)
+static void choose_points(const gw_surfels *surfels, const bool *asked, bool *counts)
 {
 	size_t dark = 0;
 	for (size_t i = 0; i < surfels->count; i++)
-		dark += counts[i] = !surfels->two_sided[i] && !emits(surfels, i);
+		dark += counts[i] = !surfels->two_sided[i] && !emits(surfels, i) && (!asked || asked[i]);
 	for (size_t i = 0; i < surfels->count && dark == 0; i++)
-		counts[i] = !surfels->two_sided[i];
+		counts[i] = !surfels->two_sided[i] && (!asked || asked[i]);
 }
 
 /* Radiance that a surfel reflects of an irradiance. */
@@ -434,8 +434,8 @@ static float *list_radiance(const gw_estimate_task *task)
 }
 
 /* What it costs that some points may face the other way. */
-static gw_status check_sides(const gw_geometry_task *geometry, bool seen, double mean,
-							 gw_error_estimate *result, gw_error *error)
+static gw_status check_sides(const gw_geometry_task *geometry, const gw_estimate_task *task,
+							 double mean, gw_error_estimate *result, gw_error *error)
 {
 	gw_view texel = { 0 };
 	gw_side_finding found;
@@ -448,7 +448,8 @@ static gw_status check_sides(const gw_geometry_task *geometry, bool seen, double
 								 .octree = geometry->octree,
 								 .surfels = geometry->surfels,
 								 .discs = geometry->discs,
-								 .seen = seen,
+								 .asked = task->asked,
+								 .seen = task->seen,
 								 .seed = geometry->seed,
 								 .threads = geometry->threads,
 								 .radiance = geometry->radiance,
@@ -507,7 +508,7 @@ static gw_status check_geometry(const gw_estimate_task *task, const estimate *e,
 	if (status == GW_OK)
 		status = gw_geometry_error(&check, &rms, error);
 	if (status == GW_OK)
-		status = check_sides(&check, task->seen, mean, result, error);
+		status = check_sides(&check, task, mean, result, error);
 	gw_check_discs_clear(&discs);
 	free(light);
 	result->geometry = rms / mean;
@@ -563,7 +564,7 @@ gw_status gw_estimate_foresee(const gw_check_point_task *task, uint32_t points,
 	bool *counts = gw_allocate_array(s->count, sizeof *counts);
 	if (!counts)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu points", s->count);
-	choose_points(s, counts);
+	choose_points(s, NULL, counts);
 	gw_status status = gw_check_point_choose(&(gw_check_point_shares){ s->count, counts, NULL, 0 },
 											 points, task->seed, &choice, error);
 	if (status == GW_OK && choice.count > 0)
@@ -581,7 +582,7 @@ gw_status gw_estimate_error(const gw_estimate_task *task, gw_error_estimate *res
 	e.counts = gw_allocate_array(task->surfels->count, sizeof *e.counts);
 	if (!e.counts)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu points", task->surfels->count);
-	choose_points(task->surfels, e.counts);
+	choose_points(task->surfels, task->asked, e.counts);
 	double mean = mean_radiance(task, e.counts);
 	gw_status status = GW_OK;
 	if (task->records)

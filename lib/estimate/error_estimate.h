@@ -52,6 +52,7 @@ typedef struct gw_estimate_task {
 	const gw_light *lights;       /* light_count: what shines */
 	size_t light_count;
 	const gw_bake_options *options;
+	const bool *asked;              /* NULL, or one a surfel: the error is that of these */
 	bool seen;                      /* scanners are known */
 	const gw_scanned_space *closed; /* NULL, or whose gaps are closed as options say */
 	uint32_t limit;                 /* reflections, or GW_BOUNCES_AUTO */

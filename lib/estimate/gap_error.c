@@ -80,10 +80,11 @@ static void weigh(work *w)
 {
 	const gw_surfels *s = w->task->surfels;
 	size_t used = 0, dark = 0;
+	const bool *asked = w->task->asked;
 	for (size_t i = 0; i < s->count; i++)
-		dark += !emits(s, i);
+		dark += !emits(s, i) && (!asked || asked[i]);
 	for (size_t i = 0; i < s->count; i++) {
-		if (dark > 0 && emits(s, i))
+		if ((asked && !asked[i]) || (dark > 0 && emits(s, i)))
 			continue;
 		weigh_point(w, i);
 		used++;

@@ -28,6 +28,7 @@
 typedef struct gw_gap_error_task {
 	gw_record_context on; /* the records are solved: first and indirect are final */
 	const gw_surfels *surfels;
+	const bool *asked; /* NULL, or one a surfel: those whose light is asked for */
 	const gw_scanned_space *space;
 	const gw_read_back *read_back;
 	const gw_gap_sight *gap;       /* one a record */

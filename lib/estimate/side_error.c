@@ -399,7 +399,7 @@ static gw_status draw(check *c, gw_error *error)
 	if (!counts)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu points", s->count);
 	for (size_t i = 0; i < s->count; i++)
-		counts[i] = !emits(s, i);
+		counts[i] = !emits(s, i) && (!c->task->asked || c->task->asked[i]);
 	gw_status status = gw_check_point_choose(&(gw_check_point_shares){ s->count, counts, NULL, 0 },
 											 POINTS, c->task->seed, &c->choice, error);
 	free(counts);

@@ -28,6 +28,7 @@ typedef struct gw_side_task {
 	const gw_octree *octree;
 	const gw_surfels *surfels;
 	const gw_check_discs *discs; /* of the surfels */
+	const bool *asked;           /* NULL, or one a surfel: points whose light is asked for */
 	bool seen;                   /* scanners are known that saw the sides that are shown */
 	uint32_t seed, threads;
 	const float *radiance;  /* one a surfel: luminance of what it sends out, or NULL: nothing */

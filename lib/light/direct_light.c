@@ -233,10 +233,12 @@ gw_lamp gw_lamp_of(const gw_light *light, const gw_octree *octree, const gw_surf
 }
 
 /* The points' own normals, like octree->surfel_normal, which has those of the smoothed surface; as
- * they are, or as far off as they may be. */
-static gw_status upload_normals(gw_gpu *gpu, const gw_surfels *surfels, bool off, gw_buffer *normal,
+ * they are, or as far off as they may be; none for those that stay dark. */
+static gw_status upload_normals(const gw_lit_cloud *cloud, bool off, gw_buffer *normal,
 								gw_error *error)
 {
+	gw_gpu *gpu = cloud->passes->gpu;
+	const gw_surfels *surfels = cloud->surfels;
 	const float *own = surfels->shading_normal ? surfels->shading_normal : surfels->normal;
 	float *chunk = gw_allocate_array(UPLOAD_SURFELS, 4 * sizeof *chunk);
 	if (!chunk)
@@ -252,7 +254,9 @@ static gw_status upload_normals(gw_gpu *gpu, const gw_surfels *surfels, bool off
 		for (size_t i = 0; i < count; i++) {
 			size_t s = first + i;
 			memcpy(chunk + 4 * i, own + 3 * s, 3 * sizeof *chunk);
-			if (off)
+			if (cloud->lit && !cloud->lit[s]) /* nothing reaches a surfel without a normal */
+				memset(chunk + 4 * i, 0, 3 * sizeof *chunk);
+			else if (off)
 				gw_normal_turn(surfels, s, chunk + 4 * i);
 			chunk[4 * i + 3] =
 				(surfels->two_sided[s] == 1 || surfels->two_sided[s] == GW_SIDE_FOLIAGE) ? 1.0f
@@ -447,12 +451,12 @@ static gw_status add_lights(const gw_lit_cloud *cloud, const gw_light *lights, s
 		gpu,
 		&(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, bytes, "visibility" },
 		&b->visibility, error));
-	if (cloud->surfels->shading_normal)
-		GW_TRY(upload_normals(gpu, cloud->surfels, false, &b->own_normal, error));
+	bool own = cloud->surfels->shading_normal || cloud->lit;
+	if (own)
+		GW_TRY(upload_normals(cloud, false, &b->own_normal, error));
 	if (to->turned)
-		GW_TRY(upload_normals(gpu, cloud->surfels, true, &b->off_normal, error));
-	const light_normals normals = { cloud->surfels->shading_normal ? &b->own_normal
-																   : &cloud->octree->surfel_normal,
+		GW_TRY(upload_normals(cloud, true, &b->off_normal, error));
+	const light_normals normals = { own ? &b->own_normal : &cloud->octree->surfel_normal,
 									to->turned ? &b->off_normal : NULL };
 	bool forced = cloud->options->effects_forced & 1u << GW_EFFECT_LAMPS;
 	for (size_t i = 0; i < light_count; i++) {

@@ -41,9 +41,10 @@ gw_status gw_given_book(const gw_lit_cloud *cloud, const gw_lamp *lamp, const gw
 	GW_TRY(gw_buffer_download(cloud->passes->gpu, irradiance, 0, sum->host, 16 * (uint64_t)count,
 							  error));
 	for (size_t i = 0; i < count; i++)
-		flux += (double)cloud->surfels->area[i] * gw_luminance(sum->host + 4 * i);
+		if (!cloud->asked || cloud->asked[i])
+			flux += (double)cloud->surfels->area[i] * gw_luminance(sum->host + 4 * i);
 	given->share = fmax(flux - sum->before, 0.0);
-	given->fate = flux > sum->before ? GW_LIGHT_SHINES : fate_of(cloud, lamp);
+	given->fate = flux > sum->before || cloud->asked ? GW_LIGHT_SHINES : fate_of(cloud, lamp);
 	sum->before = flux;
 	return GW_OK;
 }

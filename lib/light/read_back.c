@@ -76,7 +76,7 @@ static void put_row(gw_read_back *b, size_t surfel, const uint32_t *record, cons
 typedef struct renewal {
 	const gw_buffer *reach;     /* NULL: all are */
 	const bool *closer;         /* those that are */
-	const gw_read_back *before; /* has the others */
+	const gw_read_back *before; /* has the others; NULL: theirs are empty */
 } renewal;
 
 static void pack(gw_read_back *b, const rows *r, const renewal *how, size_t first, size_t count)
@@ -85,6 +85,10 @@ static void pack(gw_read_back *b, const rows *r, const renewal *how, size_t firs
 		size_t row = i * GW_SURFEL_WEIGHTS, n = 0;
 		if (how->reach && !how->closer[first + i]) {
 			const gw_read_back *old = how->before;
+			if (!old) {
+				put_row(b, first + i, r->host_record, r->host_weight, 0);
+				continue;
+			}
 			uint32_t from = old->first[first + i];
 			put_row(b, first + i, old->record + from, old->weight + from,
 					old->first[first + i + 1] - from);
@@ -96,21 +100,38 @@ static void pack(gw_read_back *b, const rows *r, const renewal *how, size_t firs
 	}
 }
 
+/* Whether rows of a chunk are looked for. */
+static bool looks(const renewal *how, size_t first, size_t count)
+{
+	bool any = how->reach == NULL;
+	for (size_t i = first; i < first + count && !any; i++)
+		any = how->closer[i];
+	return any;
+}
+
+/* Finds the rows of a chunk on the device. */
+static gw_status find_chunk(const gw_record_context *on, const gw_buffer *reach, rows *r,
+							gw_error *error)
+{
+	uint64_t bytes = 4 * (uint64_t)GW_SURFEL_WEIGHTS * r->on_device.count;
+	GW_TRY(gw_records_weigh_surfels(on, reach, &r->on_device, error));
+	GW_TRY(
+		gw_buffer_download(on->passes->gpu, &r->on_device.record, 0, r->host_record, bytes, error));
+	return gw_buffer_download(on->passes->gpu, &r->on_device.weight, 0, r->host_weight, bytes,
+							  error);
+}
+
 static gw_status find_rows(const gw_record_context *on, const renewal *how, rows *r,
 						   gw_read_back *b, gw_error *error)
 {
 	GW_TRY(create(on->passes->gpu, r, error));
 	for (size_t first = 0; first < b->count; first += CHUNK) {
 		size_t left = b->count - first, count = left < CHUNK ? left : CHUNK;
-		uint64_t bytes = 4 * (uint64_t)GW_SURFEL_WEIGHTS * count;
 		r->on_device.first = first;
 		r->on_device.count = count;
 		GW_TRY(reserve(b, r, b->first[first], error));
-		GW_TRY(gw_records_weigh_surfels(on, how->reach, &r->on_device, error));
-		GW_TRY(gw_buffer_download(on->passes->gpu, &r->on_device.record, 0, r->host_record, bytes,
-								  error));
-		GW_TRY(gw_buffer_download(on->passes->gpu, &r->on_device.weight, 0, r->host_weight, bytes,
-								  error));
+		if (looks(how, first, count))
+			GW_TRY(find_chunk(on, how->reach, r, error));
 		pack(b, r, how, first, count);
 	}
 	return GW_OK;
@@ -149,6 +170,88 @@ gw_status gw_read_back_make(const gw_record_context *on, size_t surfel_count,
 							gw_read_back *read_back, gw_error *error)
 {
 	return make(on, &(renewal){ .reach = NULL }, surfel_count, read_back, error);
+}
+
+gw_status gw_read_back_make_some(const gw_record_context *on, const gw_buffer *reach,
+								 const bool *asked, size_t surfel_count, gw_read_back *read_back,
+								 gw_error *error)
+{
+	return make(on, &(renewal){ .reach = reach, .closer = asked }, surfel_count, read_back, error);
+}
+
+/* Rows of facets on the host. */
+typedef struct facet_rows {
+	const uint32_t *slot, *record;
+	const float *weight;
+} facet_rows;
+
+static size_t facet_row_length(const facet_rows *f, uint32_t slot)
+{
+	const uint32_t *record = f->record + GW_WEIGHTS * (size_t)slot;
+	size_t n = 0;
+	while (n < GW_WEIGHTS && record[n] != GW_NONE)
+		n++;
+	return n;
+}
+
+static size_t row_length(const gw_read_back *b, size_t surfel)
+{
+	return b->first[surfel + 1] - b->first[surfel];
+}
+
+/* Where each row will start, after all have taken what they take. */
+static uint64_t count_entries(const gw_read_back *b, const facet_rows *f, uint32_t *first)
+{
+	uint64_t entries = 0;
+	for (size_t i = 0; i < b->count; i++) {
+		bool takes = row_length(b, i) == 0 && f->slot[i] != GW_NONE;
+		first[i] = (uint32_t)entries;
+		entries += takes ? facet_row_length(f, f->slot[i]) : row_length(b, i);
+	}
+	first[b->count] = (uint32_t)entries;
+	return entries;
+}
+
+static gw_status take_rows(const facet_rows *f, gw_read_back *b, gw_error *error)
+{
+	gw_read_back all = { .count = b->count };
+	all.first = gw_allocate_array(b->count + 1, sizeof *all.first);
+	uint64_t entries = all.first ? count_entries(b, f, all.first) : 0;
+	if (all.first && entries <= UINT32_MAX) {
+		all.record = gw_allocate_array(entries, sizeof *all.record);
+		all.weight = gw_allocate_array(entries, sizeof *all.weight);
+	}
+	if (!all.record || !all.weight) {
+		gw_read_back_clear(&all);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the records of %zu surfels",
+					   b->count);
+	}
+	for (size_t i = 0; i < b->count; i++) {
+		size_t from = b->first[i], length = all.first[i + 1] - all.first[i];
+		bool own = row_length(b, i) > 0 || length == 0;
+		size_t row = own ? 0 : GW_WEIGHTS * (size_t)f->slot[i];
+		put_row(&all, i, own ? b->record + from : f->record + row,
+				own ? b->weight + from : f->weight + row, length);
+	}
+	gw_read_back_clear(b);
+	*b = all;
+	return GW_OK;
+}
+
+gw_status gw_read_back_take_facets(const gw_record_context *on, const uint32_t *slot,
+								   gw_read_back *read_back, gw_error *error)
+{
+	uint64_t bytes = 8 * GW_WEIGHTS * (uint64_t)on->octree->leaf_count;
+	gw_view record = { 0 }, weight = { 0 };
+	gw_status status =
+		gw_view_open(on->passes->gpu, &on->records->facet_record, bytes, &record, error);
+	if (status == GW_OK)
+		status = gw_view_open(on->passes->gpu, &on->records->facet_weight, bytes, &weight, error);
+	if (status == GW_OK)
+		status = take_rows(&(facet_rows){ slot, record.bytes, weight.bytes }, read_back, error);
+	gw_view_close(&weight);
+	gw_view_close(&record);
+	return status;
 }
 
 gw_status gw_read_back_again(const gw_record_context *on, const gw_buffer *reach,

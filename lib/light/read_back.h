@@ -21,6 +21,23 @@ gw_status gw_read_back_make(const gw_record_context *on, size_t surfel_count,
 							gw_read_back *read_back, gw_error *error);
 
 /*
+ * Finds the rows of some surfels alone; those of the others are empty.
+ *   reach    how far each surfel looks, a texel buffer R32_SFLOAT, 0 for the others
+ *   asked    surfel_count: false for these
+ */
+gw_status gw_read_back_make_some(const gw_record_context *on, const gw_buffer *reach,
+								 const bool *asked, size_t surfel_count, gw_read_back *read_back,
+								 gw_error *error);
+
+/*
+ * Gives surfels whose rows are empty those of the facets that they lie in.
+ *   slot    one a surfel: its facet, or GW_NONE
+ * On failure the rows are as they were.
+ */
+gw_status gw_read_back_take_facets(const gw_record_context *on, const uint32_t *slot,
+								   gw_read_back *read_back, gw_error *error);
+
+/*
  * Finds the rows of some surfels again, after records were added; the others keep theirs.
  *   reach    how far each surfel looks, a texel buffer R32_SFLOAT, 0 for those that keep their rows
  *   closer   surfel count: false for those

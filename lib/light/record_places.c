@@ -154,7 +154,7 @@ static size_t list_darts(const gw_place_task *task, dart *darts)
 {
 	size_t count = 0;
 	for (size_t slot = 0; slot < task->slots; slot++) {
-		if (!(task->centre[4 * slot + 3] > 0.0f))
+		if (!(task->centre[4 * slot + 3] > 0.0f) || (task->closer && isinf(task->closer[slot])))
 			continue;
 		uint64_t turn = turn_of(task->centre, task->plane, slot, task->seed);
 		darts[count++] = (dart){ turn, (uint32_t)slot };

@@ -16,7 +16,7 @@ typedef struct gw_place_task {
 	float radius;         /* of influence, leaf cells: how far off a facet's plane counts as another
 							 surface */
 	const float *closer;  /* NULL, or one a slot: its own spacing, at most the spacing, which has to
-							 be above 0; the radius shrinks with it */
+							 be above 0; the radius shrinks with it. INFINITY: it needs none */
 	const uint32_t *kept; /* kept_count slots that have records already */
 	size_t kept_count;
 	uint64_t seed;

@@ -74,8 +74,10 @@ void gw_records_destroy(gw_gpu *gpu, gw_records *records);
  * Adds records until every facet lies within its own spacing of one. Those that there are keep
  * their places and come first, and facets keep those that they take light from; light is forgotten,
  * and the distance to the nearest thing.
- *   on              its records were placed with a spacing above 0
- *   facet_spacing   2 * leaf_count: each facet's own, at most that
+ *   on              its records were placed with a spacing above 0; or there are none yet, but a
+ *                   spacing
+ *   facet_spacing   2 * leaf_count: each facet's own, at most that; INFINITY for those that need
+ *                   none
  */
 gw_status gw_records_add(const gw_record_context *on, uint64_t seed, const float *facet_spacing,
 						 gw_error *error);

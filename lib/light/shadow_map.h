@@ -26,6 +26,9 @@ typedef struct gw_lit_cloud {
 	const gw_octree *octree;   /* of these surfels */
 	const gw_surfels *surfels; /* which give the local frame and the bounds */
 	const gw_bake_options *options;
+	const bool *lit;   /* NULL, or one a surfel: the others are left dark */
+	const bool *asked; /* NULL, or one a surfel: what lamps give is that of these, and one that
+						  gives these nothing may shine elsewhere */
 	const gw_scanned_space *closed; /* NULL, or whose gaps hide lamps and suns (direct_light.h) */
 } gw_lit_cloud;
 

@@ -184,7 +184,9 @@ gw_status gw_render_octree_shadow(gw_render_octree *o, const gw_surfels *surfels
 								  const gw_light *light, const gw_bake_options *options,
 								  float *share, gw_error *error)
 {
-	const gw_lit_cloud cloud = { &o->passes, &o->octree, surfels, options, NULL };
+	const gw_lit_cloud cloud = {
+		.passes = &o->passes, .octree = &o->octree, .surfels = surfels, .options = options
+	};
 	GW_TRY(gw_compartments_find(o->gpu, surfels, options->threads, &o->octree, error));
 	return gw_light_share(&cloud, light, share, error);
 }
