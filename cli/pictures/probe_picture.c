@@ -21,7 +21,7 @@
 
 /* A ball's radius at most, in radii of free space and in diagonals of the scene. */
 #define OF_FREE 0.5
-#define OF_SCENE 0.015
+#define OF_SCENE 0.01
 
 /* Radii around a camera within which no ball may be. */
 #define TOO_NEAR 3.0
