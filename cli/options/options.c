@@ -276,6 +276,13 @@ const option options[] = {
 			  "standard output" },
 	{ "vdb", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(PROBES), AT(vdb), .group = "Output",
 	  .help = "write which probes serve each cell of a grid as OpenVDB grids: probe_0 to probe_3" },
+	{ "picture", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(PROBES), AT(picture), .group = "Output",
+	  .help = "write a picture of the lit scene with a ball at each probe, white and diffuse in "
+			  "the light that the probe's harmonics hold, as PNG" },
+	{ "camera", 'c', "CAMERA", OPTION_TEXT, QUIETLY, FOR(PROBES), AT(render.camera),
+	  .group = "Output",
+	  .help = "of --picture: 'at X,Y,Z to X,Y,Z fov DEGREES', or auto, inside or outside, which "
+			  "choose a place" },
 	{ "size", 0, "N", OPTION_COUNT, FOR(PROBES), AT(probes.size),
 	  RANGE(GW_PROBE_SIZE_LEAST, GW_PROBE_SIZE_MOST), .group = "Probes",
 	  .help = "texels a side of each probe's maps, a power of two" },

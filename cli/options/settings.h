@@ -244,6 +244,7 @@ typedef struct settings {
 	const char *csv, *svg;                     /* of tradeoff */
 	gw_probes_options probes;                  /* but for their seed, which is that of the bake */
 	const char *worst, *json_file;             /* of compare, and of probes */
+	const char *picture;                       /* of probes */
 	uint32_t worst_count;                      /* points that worst holds */
 	float max_rel_rmse, max_best_99, max_bias; /* limits; NAN: none */
 	const char *region;                        /* of bake, as given; NULL: all */

@@ -311,26 +311,33 @@ static void note_input(const scan *cloud)
 			text_message(stderr, "glowworm: %s\n", cloud->comment[c]);
 }
 
+gw_status render_scene_make(const settings *s, loaded_scene *loaded, const render_scene_wish *wish,
+							render_scene *scene, gw_error *error)
+{
+	choosing c = { scene, &loaded->cloud, wish->choose, false, wish->user };
+	bool glossy = scan_find_scalar(&loaded->cloud, column_name[RENDER_SPECULAR][0]) != NULL;
+	*scene = (render_scene){ .place = coordinates_metres() };
+	c.all = wish->octree == RENDER_OCTREE_YES || (wish->octree == RENDER_OCTREE_GLOSSY && glossy);
+	gw_status status = make(s, loaded, wish->channels, &c, error);
+	if (status != GW_OK)
+		render_scene_clear(scene);
+	return status;
+}
+
 gw_status render_scene_read(const settings *s, const render_scene_wish *wish, render_scene *scene,
 							gw_error *error)
 {
 	loaded_scene loaded;
-	choosing c = { scene, &loaded.cloud, wish->choose, false, wish->user };
 	*scene = (render_scene){ .place = coordinates_metres() };
 	double start = gw_seconds();
 	gw_status status = loaded_scene_read(s, &loaded, error);
-	scene->read_seconds = gw_seconds() - start;
+	double seconds = gw_seconds() - start;
 	if (status == GW_OK && !s->quiet)
 		note_input(&loaded.cloud);
-	if (status == GW_OK) {
-		bool glossy = scan_find_scalar(&loaded.cloud, column_name[RENDER_SPECULAR][0]) != NULL;
-		c.all =
-			wish->octree == RENDER_OCTREE_YES || (wish->octree == RENDER_OCTREE_GLOSSY && glossy);
-		status = make(s, &loaded, wish->channels, &c, error);
-	}
+	if (status == GW_OK)
+		status = render_scene_make(s, &loaded, wish, scene, error);
+	scene->read_seconds = seconds;
 	loaded_scene_clear(&loaded);
-	if (status != GW_OK)
-		render_scene_clear(scene);
 	return status;
 }
 

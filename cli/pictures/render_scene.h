@@ -81,6 +81,11 @@ typedef struct render_scene_wish {
  */
 gw_status render_scene_read(const settings *settings, const render_scene_wish *wish,
 							render_scene *scene, gw_error *error);
+
+/* Finds the surface that inputs stand for which were read before. Their place is the scene's then,
+ * and theirs is metres; their points are read here only. Errors as above. */
+gw_status render_scene_make(const settings *settings, loaded_scene *loaded,
+							const render_scene_wish *wish, render_scene *scene, gw_error *error);
 void render_scene_clear(render_scene *scene);
 
 #endif

@@ -165,7 +165,8 @@ static gw_status add_outputs(roles *r, const file_series *series, gw_error *erro
 								 s->csv,
 								 s->svg,
 								 s->worst,
-								 s->json_file };
+								 s->json_file,
+								 s->picture };
 	for (size_t i = 0; i < sizeof path / sizeof *path; i++)
 		GW_TRY(add(r, path[i], true, error));
 	for (size_t i = 0; series && i < series->count; i++)

@@ -2,6 +2,8 @@
 #include "options/progress.h"
 #include "options/quality_preset.h"
 #include "program/signals.h"
+#include "pictures/probe_picture.h"
+#include "pictures/render_cameras.h"
 #include "program/text_quote.h"
 #include "result/bake_plan.h"
 #include "result/probe_files.h"
@@ -12,16 +14,19 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <unistd.h>
 
 /* All that lives as long as one run. */
 typedef struct probing {
 	settings *settings;
-	output_file *atlas, *json;
+	output_file *atlas, *json, *png;
 	loaded_scene scene;
 	gw_light *light;
 	gw_drivers *drivers;
 	gw_probes *probes;
+	float *radiance;       /* of the points, for the picture */
+	probe_picture picture; /* what was seen in it */
 	progress progress;
 	gw_error *error;
 } probing;
@@ -47,15 +52,17 @@ static gw_status check(const settings *s, gw_error *error)
 	if (s->input_count == 0)
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "where to place probes? Name an input, or - for standard input");
-	int streams = is_stream(s->output) + is_stream(s->json_file) + is_stream(s->vdb);
-	if (!s->output && !s->json_file && !s->vdb)
+	int streams =
+		is_stream(s->output) + is_stream(s->json_file) + is_stream(s->vdb) + is_stream(s->picture);
+	if (!s->output && !s->json_file && !s->vdb && !s->picture)
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "where to write? Give -o FILE for the maps, --json FILE for places and "
-					   "harmonics, or --vdb FILE for a grid");
+					   "harmonics, --vdb FILE for a grid, or --picture FILE for a picture");
 	if (streams > 1)
-		return gw_fail(error, GW_ERROR_USAGE,
-					   "standard output can hold one of --output, --json and --vdb, not %d",
-					   streams);
+		return gw_fail(
+			error, GW_ERROR_USAGE,
+			"standard output can hold one of --output, --json, --vdb and --picture, not %d",
+			streams);
 	if (streams > 0 && !is_stream(s->json_file) && isatty(STDOUT_FILENO))
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "standard output is a terminal, and this is binary data; redirect it, or "
@@ -64,6 +71,21 @@ static gw_status check(const settings *s, gw_error *error)
 		return gw_fail(error, GW_ERROR_USAGE, "--size %u is no power of two, such as 32, 64 or 128",
 					   s->probes.size);
 	return file_roles_check(VERB_PROBES, s, NULL, error);
+}
+
+/* The picture's name and camera, before the work. */
+static gw_status check_picture(const settings *s, gw_error *error)
+{
+	camera_plan plan;
+	if (!s->picture)
+		return GW_OK;
+	const char *dot = strrchr(s->picture, '.');
+	if (!is_stream(s->picture) && !(dot && strcasecmp(dot, ".png") == 0))
+		return gw_fail(error, GW_ERROR_USAGE, "--picture %s: the name must end in .png",
+					   s->picture);
+	GW_TRY(camera_plan_read(s, &plan, error));
+	camera_plan_clear(&plan);
+	return GW_OK;
 }
 
 /* Whether a file of grids can be made there, before the work. */
@@ -84,11 +106,14 @@ static gw_status read_scene(probing *p)
 	quality_preset_apply(s);
 	bake_plan_apply_effects(s);
 	GW_TRY(check(s, p->error));
+	GW_TRY(check_picture(s, p->error));
 	GW_TRY(bake_plan_apply_motion(s, p->error));
 	if (s->output)
 		GW_TRY(output_file_create(&p->atlas, s->output, s->force, p->error));
 	if (s->json_file)
 		GW_TRY(output_file_create(&p->json, s->json_file, s->force, p->error));
+	if (s->picture)
+		GW_TRY(output_file_create(&p->png, s->picture, s->force, p->error));
 	GW_TRY(check_grids(s, p->error));
 	s->bake.drivers = p->drivers = gw_drivers_load();
 	GW_TRY(loaded_scene_read(s, &p->scene, p->error));
@@ -97,6 +122,16 @@ static gw_status read_scene(probing *p)
 }
 
 /* ------------------------------------------------------------------------------- the probes */
+
+/* What the points send out, which the picture shows. */
+static gw_status keep_radiance(probing *p, gw_scene *scene, gw_lighting *lighting)
+{
+	p->radiance = reallocarray(NULL, gw_scene_point_count(scene) + 1, 3 * sizeof *p->radiance);
+	if (!p->radiance)
+		return gw_fail(p->error, GW_ERROR_MEMORY, "no memory for the light of %zu points",
+					   gw_scene_point_count(scene));
+	return gw_lighting_radiance(lighting, p->radiance, p->error);
+}
 
 static gw_status place(probing *p, gw_scene *scene)
 {
@@ -107,6 +142,8 @@ static gw_status place(probing *p, gw_scene *scene)
 	gw_status status = gw_lighting_create(scene, p->light, s->light_count, &lighting, p->error);
 	if (status == GW_OK)
 		status = gw_probes_make(lighting, &options, &p->probes, p->error);
+	if (status == GW_OK && p->png)
+		status = keep_radiance(p, scene, lighting);
 	gw_lighting_destroy(&lighting);
 	return status;
 }
@@ -129,6 +166,18 @@ static gw_status light_and_place(probing *p)
 	return status;
 }
 
+/* The last of the files, because it takes the scene apart. */
+static gw_status write_picture(probing *p)
+{
+	if (!p->png)
+		return GW_OK;
+	p->picture =
+		(probe_picture){ .settings = p->settings, .probes = p->probes, .radiance = p->radiance };
+	GW_TRY(probe_picture_write(&p->picture, &p->scene, p->png, p->error));
+	GW_TRY(signals_check(p->error));
+	return output_file_commit(&p->png, p->error);
+}
+
 static gw_status write_files(probing *p)
 {
 	const probe_files files = { p->settings, p->probes, &p->scene.place };
@@ -141,7 +190,9 @@ static gw_status write_files(probing *p)
 	GW_TRY(signals_check(p->error));
 	if (p->atlas)
 		GW_TRY(output_file_commit(&p->atlas, p->error));
-	return p->json ? output_file_commit(&p->json, p->error) : GW_OK;
+	if (p->json)
+		GW_TRY(output_file_commit(&p->json, p->error));
+	return write_picture(p);
 }
 
 static void say(const probing *p)
@@ -153,6 +204,11 @@ static void say(const probing *p)
 			probes->count, gw_plural(probes->count, " sees", "s see"),
 			text_percent(probes->seen, seen), probes->candidates,
 			text_percent(probes->seeable, seeable));
+	if (!p->settings->picture)
+		return;
+	fprintf(stderr, "glowworm: the picture shows %zu of the probes\n", p->picture.shown);
+	if (p->picture.camera[0])
+		fprintf(stderr, "glowworm: note: the camera is --camera '%s'\n", p->picture.camera);
 }
 
 gw_status verb_probes(settings *s, gw_error *error)
@@ -170,10 +226,12 @@ gw_status verb_probes(settings *s, gw_error *error)
 		say(&p);
 	output_file_abandon(&p.atlas);
 	output_file_abandon(&p.json);
+	output_file_abandon(&p.png);
 	s->bake.drivers = NULL;
 	gw_drivers_release(&p.drivers);
 	gw_probes_destroy(&p.probes);
 	loaded_scene_clear(&p.scene);
 	free(p.light);
+	free(p.radiance);
 	return status;
 }

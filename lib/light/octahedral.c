@@ -61,6 +61,17 @@ double gw_octahedral_solid_angle(uint32_t size, uint32_t texel)
 		   solid_angle(one, other, corner[falling ? 2 : 3]);
 }
 
+uint32_t gw_octahedral_beside(uint32_t size, uint32_t texel, uint32_t side)
+{
+	const uint32_t last = size - 1, column = texel % size, row = texel / size;
+	const bool across = side < 2, on = (side & 1) != 0;
+	const uint32_t along = across ? column : row;
+	if (along == (on ? last : 0))
+		return across ? (last - row) * size + column : row * size + last - column;
+	const uint32_t step = across ? 1 : size;
+	return on ? texel + step : texel - step;
+}
+
 uint64_t gw_octahedral_mip_texels(uint32_t size)
 {
 	return ((uint64_t)size * size - 1) / 3;

@@ -27,6 +27,10 @@ gw_vec3 gw_octahedral_texel(uint32_t size, uint32_t texel);
  * sides are arcs of great circles, because the map is linear on each face of the octahedron. */
 double gw_octahedral_solid_angle(uint32_t size, uint32_t texel);
 
+/* The texel beside another one: side 0 left, 1 right, 2 above, 3 below. Beyond an edge of the map
+ * lies the same edge, the other way round. */
+uint32_t gw_octahedral_beside(uint32_t size, uint32_t texel, uint32_t side);
+
 /*
  * Smallest and largest values of the texels below each texel of the smaller maps of a map. A texel
  * of a map of half the size covers exactly four of the larger one, so that nothing is missed.

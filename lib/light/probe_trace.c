@@ -103,25 +103,67 @@ static void put_hit(const tracing *t, uint32_t facet, const float *direction, fl
 	}
 }
 
-/* What a ray found. `own` is the compartment of its probe. */
-static void put_texel(const tracing *t, size_t ray, uint32_t own, size_t texel)
+/* Has a ray of a probe in the compartment `own` slipped through rock? */
+static bool has_slipped(const tracing *t, uint32_t own, uint32_t facet)
 {
 	const gw_octree *o = t->scene->octree;
-	const uint32_t *of_facet = gw_compartments_several(o) ? gw_compartments_of_facets(o) : NULL;
+	if (facet == GW_NONE)
+		return gw_compartments_apart(own, gw_compartment_outside(o));
+	return facet < 2 * o->leaf_count &&
+		   gw_compartments_apart(own, gw_compartments_of_facets(o)[facet]);
+}
+
+/* Gives texels of a negative distance what texels beside them have. Returns how many got some. */
+static size_t fill_texels(uint32_t size, uint32_t *facet, float *distance)
+{
+	size_t filled = 0;
+	for (uint32_t texel = 0; texel < size * size; texel++)
+		for (uint32_t side = 0; side < 4 && distance[texel] < 0.0f; side++) {
+			uint32_t beside = gw_octahedral_beside(size, texel, side);
+			if (distance[beside] < 0.0f)
+				continue;
+			facet[texel] = facet[beside];
+			distance[texel] = distance[beside];
+			filled++;
+		}
+	return filled;
+}
+
+/* Puts right what rays of a probe met that slipped through rock. */
+static void mend(const tracing *t, size_t first_ray, const float place[3])
+{
+	const gw_octree *o = t->scene->octree;
+	uint32_t *facet = t->facet + first_ray;
+	float *distance = t->distance + first_ray;
+	size_t slipped = 0;
+	if (!gw_compartments_several(o))
+		return;
+	const uint32_t own = gw_compartment_at(o, place);
+	for (size_t i = 0; i < t->texels; i++) {
+		if (!has_slipped(t, own, facet[i]))
+			continue;
+		distance[i] = -1.0f;
+		slipped++;
+	}
+	for (size_t filled = 1; slipped > 0 && filled > 0; slipped -= filled)
+		filled = fill_texels(t->probes->size, facet, distance);
+}
+
+/* What a ray found. */
+static void put_texel(const tracing *t, size_t ray, size_t texel)
+{
 	gw_probes *p = t->probes;
 	const float *direction = t->direction + 4 * (texel % t->texels);
 	uint32_t facet = t->facet[ray];
 	float *radiance = p->radiance + 3 * texel, *normal = p->normal + 3 * texel;
-	bool none = facet == GW_NONE || facet >= 2 * o->leaf_count;
+	bool slipped = t->distance[ray] < 0.0f;
+	bool none = slipped || facet == GW_NONE || facet >= 2 * t->scene->octree->leaf_count;
 	double distance = (double)t->distance[ray] * t->metres;
 	p->distance[texel] = none || distance > (double)GW_PROBE_FAR ? GW_PROBE_FAR : (float)distance;
-	if (none && facet == GW_NONE)
+	if (none && !slipped && facet == GW_NONE)
 		gw_sky_radiance(&t->scene->sky, gw_xyz(direction), radiance);
-	if (none)
-		return;
-	put_hit(t, facet, direction, radiance, normal);
-	if (of_facet && gw_compartments_apart(own, of_facet[facet]))
-		memset(radiance, 0, 3 * sizeof *radiance);
+	if (!none)
+		put_hit(t, facet, direction, radiance, normal);
 }
 
 /* Projects a map onto the harmonics: texels by their solid angles. */
@@ -158,16 +200,14 @@ static void put_range(const tracing *t, size_t k)
 static void finish(void *user, size_t first, size_t last, uint32_t worker)
 {
 	const tracing *t = user;
-	const gw_octree *o = t->scene->octree;
 	gw_probes *p = t->probes;
 	size_t mips = (size_t)gw_octahedral_mip_texels(p->size);
 	(void)worker;
 	for (size_t i = first; i < last; i++) {
 		size_t k = t->first + i;
-		uint32_t own = gw_compartments_several(o) ? gw_compartment_at(o, t->place + 4 * k)
-												  : GW_COMPARTMENT_UNKNOWN;
+		mend(t, i * t->texels, t->place + 4 * k);
 		for (size_t j = 0; j < t->texels; j++)
-			put_texel(t, i * t->texels + j, own, k * t->texels + j);
+			put_texel(t, i * t->texels + j, k * t->texels + j);
 		project(t, k);
 		put_range(t, k);
 		gw_octahedral_mips(p->size, p->distance + k * t->texels, p->least + k * mips,

@@ -18,9 +18,9 @@ typedef struct gw_probe_scene {
 } gw_probe_scene;
 
 /*
- * Traces the maps of probes, and makes harmonics, least and greatest distances of them. A hit on
- * surface that rock keeps apart from the probe (compartments.h), which a ray has slipped through
- * to, sends out nothing.
+ * Traces the maps of probes, and makes harmonics, least and greatest distances of them. A ray
+ * that has slipped through rock, out of a compartment that is closed or to surface in another one
+ * (compartments.h), takes what a texel beside it met; where all rays of a probe have, it sees none.
  *   place    4 * probes->count: grid coordinates, and 0
  *   probes   with room for all maps; distances are in leaf cells times `metres`
  */

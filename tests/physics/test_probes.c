@@ -12,9 +12,10 @@
 
 #include <cmocka.h>
 
-/* Of the rays in a closed sphere some slip between the planes of its leaves: 0.08 %, says
- * octree_bindings.c of one that is 30 cells wide. */
-#define SLIPPED 0.002
+/* Rays that slip between the planes of a closed sphere's leaves are put right: nothing is lost.
+ * What is left of sums over 4096 texels are their roundings, and how unlike a sphere a map of them
+ * is: harmonics at the middles of texels 2 / 64 wide are off by the square of that. */
+#define SUMMED 0.002
 
 #define SPHERE_POINTS 20000
 
@@ -114,8 +115,7 @@ static void assert_on_sphere(const made *m, size_t texel)
 
 /* Cells whose middle lies in the sphere are those that its only probe serves, and no others but at
  * its rim: by half the diagonal of a cell for what lies in the cell itself, by a leaf for the
- * planes in the leaves, and by a texel's half where that is seen at a slant. Through 0.2 % of the
- * texels a ray slips out, which is less than a hundredth of all cells. */
+ * planes in the leaves, and by a texel's half where that is seen at a slant. */
 static void assert_cells(const made *m)
 {
 	const gw_probe_cells *c = &m->probes->cells;
@@ -142,7 +142,7 @@ static void assert_cells(const made *m)
 			}
 	assert_true(all > 10000);
 	assert_int_equal(within, all);
-	assert_true((double)beyond < 0.01 * 64 * 64 * 64);
+	assert_int_equal(beyond, 0);
 }
 
 /* Radiance is 1 in all directions; of all harmonics the first alone is there, L sqrt(4 pi). */
@@ -155,24 +155,18 @@ static void furnace(void **state)
 	made m = make_good(&s, &bake, NULL, NULL);
 	const gw_probes *p = m.probes;
 	const size_t texels = p->count * p->size * p->size;
-	size_t slipped = 0;
 	assert_int_equal(p->count, 1);
 	assert_int_equal(p->size, 64);
 	for (size_t i = 0; i < texels; i++) {
-		if (p->distance[i] >= GW_PROBE_FAR) {
-			slipped++;
-			continue;
-		}
 		/* Means of equal numbers: but for a few roundings. */
 		for (size_t c = 0; c < 3; c++)
 			assert_near("radiance", (double)p->radiance[3 * i + c], (double)(1 << c), 1e-5 * 4);
 		assert_on_sphere(&m, i);
 	}
-	assert_true((double)slipped <= SLIPPED * (double)texels);
 	for (size_t h = 0; h < GW_PROBE_HARMONICS; h++)
 		for (size_t c = 0; c < 3; c++)
 			assert_near("harmonic", (double)p->probe->harmonic[h][c] / (double)(1 << c),
-						h == 0 ? sqrt(4.0 * SCENE_PI) : 0.0, 4.0 * SCENE_PI * SLIPPED + 0.002);
+						h == 0 ? sqrt(4.0 * SCENE_PI) : 0.0, SUMMED);
 	assert_true(p->seen > 0.999 && p->seeable > 0.999);
 	assert_cells(&m);
 	gw_probes_destroy(&m.probes);
@@ -200,7 +194,7 @@ static void white_furnace(void **state)
  * The upper half of the sphere sends out 1, seen from its middle: by the integrals of the harmonics
  * over a half sphere c0 = sqrt(pi), cz = sqrt(3 pi) / 2, all others 0. On the rim facets have the
  * mean of both halves: of half a cell, and as much for the place of the probe and for texels, of a
- * rim of 2 pi, times the largest value of a harmonic, which is below 0.7; and what slips through.
+ * rim of 2 pi, times the largest value of a harmonic, which is below 0.7.
  */
 static void half_furnace(void **state)
 {
@@ -218,7 +212,7 @@ static void half_furnace(void **state)
 	const gw_probe *probe = m.probes->probe;
 	double off =
 		fmax(fabs(probe->position[0]), fmax(fabs(probe->position[1]), fabs(probe->position[2])));
-	double allowed = 0.7 * 2.0 * SCENE_PI * (m.leaf_size + off + 1.0 / 64.0) + SLIPPED;
+	double allowed = 0.7 * 2.0 * SCENE_PI * (m.leaf_size + off + 1.0 / 64.0);
 	assert_int_equal(m.probes->count, 1);
 	assert_true(allowed < 0.3);
 	for (size_t h = 0; h < GW_PROBE_HARMONICS; h++) {
@@ -265,6 +259,65 @@ static void sky(void **state)
 	scene_clear(&s);
 }
 
+/* The solid angle and the form factor (its cosines over pi) of a floor's quarter, from x = y = 0 to
+ * a and b, seen from a height h over its corner (Howell's catalogue B-4). */
+static void add_quarter(double a, double b, double h, double *angle, double *factor)
+{
+	const double s = fabs(a) / h, t = fabs(b) / h, u = sqrt(1.0 + s * s), v = sqrt(1.0 + t * t);
+	const double sign = a * b < 0.0 ? -1.0 : 1.0;
+	*angle += sign * atan(s * t / sqrt(1.0 + s * s + t * t));
+	*factor += sign * (s / u * atan(t / u) + t / v * atan(s / v)) / (2.0 * SCENE_PI);
+}
+
+/*
+ * Under an even sky L over a black floor, which a probe sees under the solid angle A with the form
+ * factor F: the first harmonic is (4 pi - A) / sqrt(4 pi) L and that of z, whose integral over the
+ * sphere is 0 and over the floor -pi F, pi F sqrt(3 / 4 pi) L. Where the floor ends is known to a
+ * leaf, seen from a probe over it at no less than its height, and to a texel; its rim, that of a
+ * convex polygon, is no longer than 2 pi.
+ */
+static void half_sky(void **state)
+{
+	(void)state;
+	scene s = { 0 };
+	scene_add_patch(&s, (double[3]){ -2, -2, 0 }, (double[3]){ 4, 0, 0 }, (double[3]){ 0, 4, 0 },
+					128, 128, 0.0f);
+	const gw_light even = { .type = GW_LIGHT_ENVIRONMENT, .radiance = { 1, 2, 4 } };
+	const gw_bake_options bake = bake_options(1);
+	gw_probes_options options = gw_probes_options_default();
+	options.margin = 0.5f;
+	made m = make_good(&s, &bake, &even, &options);
+	for (size_t k = 0; k < m.probes->count; k++) {
+		const gw_probe *probe = &m.probes->probe[k];
+		const double *at = probe->position;
+		double angle = 0.0, factor = 0.0;
+		for (int i = 0; i < 4; i++)
+			add_quarter(i & 1 ? 2.0 - at[0] : 2.0 + at[0], i & 2 ? 2.0 - at[1] : 2.0 + at[1], at[2],
+						&angle, &factor);
+		const double rim = 2.0 * SCENE_PI * (m.leaf_size / at[2] + 1.0 / 64.0);
+		const double first = (4.0 * SCENE_PI - angle) / sqrt(4.0 * SCENE_PI);
+		const double up = SCENE_PI * factor * sqrt(3.0 / (4.0 * SCENE_PI));
+		assert_true(rim < 1.0 && angle > SCENE_PI);
+		for (size_t c = 0; c < 3; c++) {
+			const double l = (double)even.radiance[c];
+			assert_near("first harmonic", (double)probe->harmonic[0][c] / l, first, 0.2821 * rim);
+			assert_near("harmonic of z", (double)probe->harmonic[2][c] / l, up, 0.4887 * rim);
+		}
+	}
+	gw_probes_destroy(&m.probes);
+	scene_clear(&s);
+}
+
+/* In a closed box nothing is farther off than its corner, and all that is seen sends out light. */
+static void assert_closed(const gw_probes *p, double leaf_size)
+{
+	const size_t texels = p->count * p->size * p->size;
+	for (size_t i = 0; i < texels; i++) {
+		assert_true((double)p->distance[i] <= sqrt(3.0) + leaf_size);
+		assert_true(p->radiance[3 * i] > 0.0f);
+	}
+}
+
 /* From any place in a box all of it is seen: one probe does. Two boxes beside each other, each
  * shut, take one each, and one sees half of them. Facets at edges, a leaf wide, may hide behind
  * others: of a box of 1 m with 32 points a metre less than 2 % of the area. */
@@ -280,6 +333,7 @@ static void boxes(void **state)
 	made m = make_good(&s, &bake, &lamp, &options);
 	assert_int_equal(m.probes->count, 1);
 	assert_true(m.probes->seen > 0.98 && m.probes->seeable > 0.98);
+	assert_closed(m.probes, m.leaf_size);
 	gw_probes_destroy(&m.probes);
 	scene_add_box(&s, (double[3]){ 1.5, 0, 0 }, (double[3]){ 1, 1, 1 }, 32, 0.5f);
 	m = make_good(&s, &bake, &lamp, &options);
@@ -365,10 +419,11 @@ static void refused(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(furnace),      cmocka_unit_test(white_furnace),
-		cmocka_unit_test(half_furnace), cmocka_unit_test(sky),
-		cmocka_unit_test(boxes),        cmocka_unit_test(same_every_time),
-		cmocka_unit_test(solid),        cmocka_unit_test(refused),
+		cmocka_unit_test(furnace),         cmocka_unit_test(white_furnace),
+		cmocka_unit_test(half_furnace),    cmocka_unit_test(sky),
+		cmocka_unit_test(half_sky),        cmocka_unit_test(boxes),
+		cmocka_unit_test(same_every_time), cmocka_unit_test(solid),
+		cmocka_unit_test(refused),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -165,12 +165,36 @@ static void harmonics_of_axes(void **state)
 		}
 }
 
+/* A texel beside another is so from both, and never further off than two texels are wide: along a
+ * face of the octahedron the map is stretched by up to sqrt(3), and across an edge two halves meet.
+ */
+static void beside(void **state)
+{
+	(void)state;
+	for (uint32_t size = 4; size <= 64; size *= 4)
+		for (uint32_t texel = 0; texel < size * size; texel++)
+			for (uint32_t side = 0; side < 4; side++) {
+				uint32_t other = gw_octahedral_beside(size, texel, side), back = 0;
+				assert_true(other < size * size && other != texel);
+				for (uint32_t k = 0; k < 4; k++)
+					back += gw_octahedral_beside(size, other, k) == texel;
+				assert_true(back >= 1);
+				gw_vec3 off =
+					gw_minus(gw_octahedral_texel(size, texel), gw_octahedral_texel(size, other));
+				assert_true(sqrtf(gw_dot(off, off)) < 2.0f * 1.7321f * 2.0f / (float)size);
+			}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(there_and_back), cmocka_unit_test(axes),
-		cmocka_unit_test(solid_angles),   cmocka_unit_test(smaller_maps),
-		cmocka_unit_test(orthonormal),    cmocka_unit_test(harmonics_of_axes),
+		cmocka_unit_test(there_and_back),
+		cmocka_unit_test(axes),
+		cmocka_unit_test(beside),
+		cmocka_unit_test(solid_angles),
+		cmocka_unit_test(smaller_maps),
+		cmocka_unit_test(orthonormal),
+		cmocka_unit_test(harmonics_of_axes),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
