@@ -621,6 +621,9 @@ typedef struct gw_report {
 	gw_error_estimate error;
 	gw_forecast forecast; /* none unless somebody asked: gw_bake_callbacks.planned, gw_plan_bake */
 	gw_gap_report gaps;
+	bool unlit_space; /* points without normals enclose a space to look at from within, as a room or
+						 a cave, while sun and sky light its outer sides alone */
+	double unlit_place[3];            /* then: where to stand in it, or to put a lamp; metres */
 	gw_price price;                   /* of about half of that error, or what comes nearest to it */
 	gw_round round[GW_REPORT_ROUNDS]; /* the last one is the result; none unless the bake refined */
 	uint32_t round_count;

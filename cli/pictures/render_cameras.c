@@ -87,7 +87,8 @@ gw_status camera_plan_place(camera_plan *plan, const render_scene *scene, const 
 			coordinates_to_metres(&scene->place, view->at);
 			coordinates_to_metres(&scene->place, view->to);
 		} else {
-			const gw_viewpoint_wish wish = { .kind = text->kind,
+			bool within = scene->enclosed && text->kind == GW_VIEWPOINT_AUTO;
+			const gw_viewpoint_wish wish = { .kind = within ? GW_VIEWPOINT_INSIDE : text->kind,
 											 .luminance = scene->luminance,
 											 .up = plan->up,
 											 .angle = text->angle,
@@ -95,7 +96,10 @@ gw_status camera_plan_place(camera_plan *plan, const render_scene *scene, const 
 											 .around = plan->orbit > 1,
 											 .scanner = seen_from,
 											 .scanner_count = seen ? 1 : scene->scanner_count };
-			GW_TRY(gw_viewpoint_find(surfels, &wish, view, error));
+			/* Its normals face where light came from. */
+			gw_surfels unsided = *surfels;
+			unsided.normals_given = within ? 0 : surfels->normals_given;
+			GW_TRY(gw_viewpoint_find(&unsided, &wish, view, error));
 			round_view(&scene->place, view);
 		}
 	}

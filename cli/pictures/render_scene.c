@@ -250,6 +250,13 @@ static gw_status check_width(const gw_surfels *surfels, gw_error *error)
 	double width = 0.0;
 	for (int k = 0; k < 3; k++)
 		width = fmax(width, (double)surfels->maximum[k] - (double)surfels->minimum[k]);
+	if (surfels->count == 1)
+		return gw_fail(error, GW_ERROR_DATA,
+					   "all points stand at one place, %g, %g, %g, so there is nothing to see: the "
+					   "file has no other coordinates, or the program that wrote it lost them",
+					   surfels->origin[0] + (double)surfels->position[0],
+					   surfels->origin[1] + (double)surfels->position[1],
+					   surfels->origin[2] + (double)surfels->position[2]);
 	if (surfels->count < 2 || width >= WIDTH_LEAST)
 		return GW_OK;
 	return gw_fail(error, GW_ERROR_DATA,
@@ -274,6 +281,14 @@ static gw_status choose(void *user, const gw_surfels *surfels, uint8_t *chosen, 
 	return status;
 }
 
+static bool is_enclosed(const scan *cloud)
+{
+	bool enclosed = false;
+	for (size_t c = 0; c < cloud->comment_count; c++)
+		enclosed = enclosed || strcmp(cloud->comment[c], SCAN_ENCLOSED) == 0;
+	return enclosed;
+}
+
 static gw_status make(const settings *s, loaded_scene *loaded, uint32_t wanted, choosing *c,
 					  gw_error *error)
 {
@@ -290,6 +305,7 @@ static gw_status make(const settings *s, loaded_scene *loaded, uint32_t wanted, 
 	scene->scanner = loaded->points.points.scanner;
 	scene->scanner_count = loaded->points.points.scanner_count;
 	scene->photometric = is_photometric(&loaded->cloud);
+	scene->enclosed = is_enclosed(&loaded->cloud);
 	double start = gw_seconds();
 	GW_TRY(gw_surfels_make(&loaded->points.points, &options, &scene->surfels, error));
 	scene->scanner = NULL;

@@ -46,6 +46,7 @@ typedef struct render_scene {
 	char up;           /* as gw_camera_up has it */
 	coordinates place; /* owned; from the input's coordinates to metres */
 	bool photometric;  /* cd/m^2 and lx, not W/(sr m^2) and W/m^2 */
+	bool enclosed;     /* the bake found that it is to be looked at from within */
 	/* What making it took, seconds. */
 	double read_seconds, choose_seconds, surface_seconds;
 } render_scene;

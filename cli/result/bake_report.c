@@ -156,6 +156,7 @@ static void write_bounces(json_writer *json, const bake_facts *f)
 	json_put_real(json, "sides_share", r->error.sides_share);
 	json_put_real(json, "halves", r->error.halves);
 	json_put_close(json, '}');
+	json_put_bool(json, "unlit_space", r->unlit_space);
 	json_put_open_flat(json, "gaps", '{');
 	json_put_count(json, "scanners", r->gaps.scanners);
 	json_put_count(json, "holes", r->gaps.holes);
@@ -581,8 +582,9 @@ static void note_counts(const gw_report *r, size_t points)
 }
 
 /* Where light does not get to most of what there is: the usual first picture of a room is black. */
-static void note_dark(const gw_bake_result *result)
+static void note_dark(const bake_facts *f)
 {
+	const gw_bake_result *result = f->result;
 	char percent[TEXT_PERCENT];
 	double sum = 0.0;
 	size_t dark = 0, count = 0;
@@ -602,14 +604,29 @@ static void note_dark(const gw_bake_result *result)
 				text_percent(share, percent));
 }
 
+/* A room or a cave under sun and sky: a person came for its inside. */
+static void note_unlit_space(const bake_facts *f)
+{
+	const gw_report *r = &f->result->report;
+	double at[3] = { r->unlit_place[0], r->unlit_place[1], r->unlit_place[2] };
+	coordinates_from_metres(&f->scene->place, at);
+	fprintf(stderr,
+			"glowworm: note: the points enclose a space, as a room or a cave does, and sun and sky "
+			"light the outer sides of it; a lamp inside shows the space: --light 'point at "
+			"%.3f,%.3f,%.3f intensity 20'\n",
+			at[0], at[1], at[2]);
+}
+
 void bake_report_notes(const bake_facts *f)
 {
 	const gw_report *r = &f->result->report;
 	doubt told = note_largest_doubt(f->settings, r);
 	note_counts(r, f->result->count);
 	octree_note_print(r->leaf_size, r->wanted_leaf_size, r->why_coarser);
-	if (f->settings->bake.bounces != 0)
-		note_dark(f->result);
+	if (f->settings->bake.bounces != 0 && r->unlit_space)
+		note_unlit_space(f);
+	else if (f->settings->bake.bounces != 0)
+		note_dark(f);
 	if (told != DOUBT_GEOMETRY)
 		note_geometry(r);
 	if (told != DOUBT_SIDES)

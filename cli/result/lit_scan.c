@@ -338,6 +338,8 @@ static gw_status make_comments(maker *m)
 			 exposure);
 	if (m->settings->colors == 0)
 		GW_TRY(comment(m, text));
+	if (m->result->report.unlit_space)
+		GW_TRY(comment(m, SCAN_ENCLOSED));
 	snprintf(text, sizeof text, SCAN_UP "%s", settings_up_name(m->lit->up));
 	if (m->lit->up != 'z' || m->settings->up != SETTINGS_UP_AUTO)
 		GW_TRY(comment(m, text));

@@ -42,6 +42,8 @@ typedef struct scan_column {
 
 /* And one that begins with this names the axis that points up: "y" or "-y". */
 #define SCAN_UP "glowworm up: "
+/* A lit file's: its points enclose a space to look at from within, whatever its normals say. */
+#define SCAN_ENCLOSED "glowworm space: enclosed"
 #define SCAN_NO_SCANNER UINT32_MAX
 
 typedef struct scan {

@@ -18,6 +18,7 @@
 #include "bake/result.h"
 #include "bake/scaled_scene.h"
 #include "bake/transport.h"
+#include "bake/unlit_space.h"
 #include "bake/voxels.h"
 #include "bake/volume_light.h"
 
@@ -86,7 +87,8 @@ static gw_status save_transport(bake *b, gw_error *error)
 static gw_status make_surfels(bake *b, gw_error *error)
 {
 	const gw_scene_description from = { b->points, b->light.lights, b->light.light_count };
-	return gw_scene_make_surfels(&b->scene, &from, error);
+	GW_TRY(gw_scene_make_surfels(&b->scene, &from, error));
+	return gw_unlit_space_find(&b->scene, &from, error);
 }
 
 static gw_status make_plan(bake *b, gw_error *error)

@@ -327,6 +327,7 @@ static void undo_report(const gw_scaled_scene *scaled, gw_report *r)
 	for (int k = 0; k < 3; k++) {
 		r->origin[k] = ldexp(r->origin[k], -scaled->length);
 		r->gaps.hole_place[k] = ldexp(r->gaps.hole_place[k], -scaled->length);
+		r->unlit_place[k] = ldexp(r->unlit_place[k], -scaled->length);
 	}
 	for (uint32_t i = 0; i < r->bounce_count; i++)
 		r->bounce[i].energy = ldexp(r->bounce[i].energy, -scaled->light - 2 * scaled->length);

@@ -39,7 +39,8 @@
 #define OWN_OPINIONS 8.0
 
 /* By how much a scanner that saw a point makes it less likely that it faces the wrong way: the
- * logarithm of a factor. */
+ * logarithm of a factor. What the point's own rays say is worth no more then: they may meet the
+ * backs of things that have no underside, since no scanner saw that. */
 #define SEEN_ODDS 6.0
 
 /* Pieces of surface are not asked for where a smaller share of the points is likely to be wrong. */
@@ -248,11 +249,10 @@ static double probability(const check *c, const side of[2], bool unknown, double
 {
 	double odds = log(w / (1.0 - w));
 	double rays = of[0].fits + of[1].fits + of[0].differs + of[1].differs + open_rays(c, of);
-	double says =
-		fmin(rays, OWN_OPINIONS) * (1.0 - 2.0 * differing(c, of)) * odds + (unknown ? 0.0 : odds);
+	double says = fmin(rays, OWN_OPINIONS) * (1.0 - 2.0 * differing(c, of)) * odds;
 	if (c->task->seen && !unknown)
-		says -= SEEN_ODDS;
-	return 1.0 / (1.0 + exp(-says));
+		says = fmin(says, SEEN_ODDS) - SEEN_ODDS;
+	return 1.0 / (1.0 + exp(-says - (unknown ? 0.0 : odds)));
 }
 
 /* By how much the light of a side is less than what is written, by each half of its rays. */

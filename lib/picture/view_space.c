@@ -267,8 +267,9 @@ gw_status gw_view_space_make(const gw_surfels *s, const gw_viewpoint_wish *wish,
 	v->cell = gw_allocate_zeros(v->count, sizeof *v->cell);
 	if (!v->cell)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory to look for a viewpoint");
+	/* Both sides of one piece of surface would cancel. */
 	for (size_t i = 0; i < s->count; i++)
-		if (gw_view_space_holds(v, s->position + 3 * i))
+		if (gw_view_space_holds(v, s->position + 3 * i) && s->two_sided[i] != GW_SIDE_BACK)
 			add_surfel(v, i, &logarithms, &lit_area);
 	v->light = lit_area > 0 ? exp(logarithms / lit_area) : 0;
 	find_sides(v);
@@ -291,6 +292,14 @@ void gw_view_space_place(const view_space *v, size_t cell, int32_t at[3])
 
 /* ------------------------------------------------------------------------------ looking */
 
+static bool is_within(const view_space *v, const int32_t at[3])
+{
+	bool within = true;
+	for (int k = 0; k < 3; k++)
+		within = within && at[k] >= 0 && at[k] < v->size[k];
+	return within;
+}
+
 view_hit gw_view_space_look(const view_space *v, const int32_t from[3], const double ray[3],
 							int skipped)
 {
@@ -303,8 +312,10 @@ view_hit gw_view_space_look(const view_space *v, const int32_t from[3], const do
 		double depth = next[k];
 		at[k] += ray[k] > 0 ? 1 : -1;
 		next[k] += 1 / fabs(ray[k]);
-		if (at[k] < 0 || at[k] >= v->size[k])
+		if (ray[k] > 0 ? at[k] >= v->size[k] : at[k] < 0)
 			return (view_hit){ 0, 0 };
+		if (!is_within(v, at))
+			continue;
 		size_t cell = cell_at(v, at);
 		if (entered >= skipped && v->cell[cell].area > 0.0f)
 			return (view_hit){ depth, cell };

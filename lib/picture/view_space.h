@@ -53,8 +53,8 @@ bool gw_view_space_holds(const view_space *space, const float position[3]);
 /* The place of a cell in the grid. */
 void gw_view_space_place(const view_space *space, size_t cell, int32_t at[3]);
 
-/* Follows a ray from the middle of a cell to the first one that is not free, but not among the
- * first `skipped` that it enters. */
+/* Follows a ray from the middle of a cell, which may lie outside of the grid, to the first one that
+ * is not free, but not among the first `skipped` that it enters. */
 view_hit gw_view_space_look(const view_space *space, const int32_t from[3], const double ray[3],
 							int skipped);
 

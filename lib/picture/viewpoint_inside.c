@@ -12,6 +12,7 @@
 #define LEAST_HITS 0.7   /* share of rays that have to meet something */
 #define CLOSED 0.93      /* the same, of the middle one among such places in a room or cave */
 #define CLOSED_HOLES 0.8 /* the same when the rest are holes here and there */
+#define CLOSED_SEEN 0.7  /* the same when its fronts are known, and are what is seen from there */
 #define ONE_SIDE 0.6     /* length of the mean direction out, from which on a side is open */
 #define LEAST_PLACES 5   /* fewer are a crack */
 #define LEAST_SEEN 0.4   /* share of the surface that is seen from them */
@@ -32,6 +33,12 @@
 #define PITCH (M_PI / 18)
 #define PITCH_COST 0.05 /* of the value, for looking up or down */
 #define FREE_WAY 0.3    /* what the way straight ahead counts beside all that is in view */
+#define SCANNERS 8      /* from which a view is tried */
+#define SCANNED                                                                                    \
+	1.5 /* what the view of the only one is worth: elsewhere, what it did not see                  \
+		   is missing */
+#define SCANNED_MANY 1.1
+#define OUTSIDE 0.5 /* of the longest side: scanners that are further outside stood elsewhere */
 
 /* What is seen around one place. */
 typedef struct panorama_view {
@@ -162,13 +169,20 @@ static bool scanners_within(const view_space *v, double (*ray)[3])
 	return 2 * within > tried;
 }
 
+/* Whether fronts are known, and are what is seen from the places. */
+static bool see_fronts(const view_space *v, const tally *t)
+{
+	return v->sided && (double)t->fronts >= LEAST_FRONTS * (double)t->hits;
+}
+
 /* Whether the places are closed in, but for holes: a stage is open to one side. */
-static bool is_closed(const tally *t)
+static bool is_closed(const view_space *v, const tally *t)
 {
 	double share = (double)middle_hits(t) / RAYS;
 	double misses = (double)(t->places * RAYS - t->hits);
 	bool holes = sqrt(view_dot(t->out, t->out)) < ONE_SIDE * misses;
-	return t->places >= LEAST_PLACES && (share > CLOSED || (holes && share > CLOSED_HOLES));
+	return t->places >= LEAST_PLACES &&
+		   (share > CLOSED || (holes && share > (see_fronts(v, t) ? CLOSED_SEEN : CLOSED_HOLES)));
 }
 
 /* Whether a space has corners to look around, or a floor that is flat; a ball has neither. */
@@ -203,15 +217,15 @@ static bool is_room(const view_space *v, const tally *t)
 static bool decide(const view_space *v, const tally *t, double (*ray)[3])
 {
 	double visible, floor, longest = 0;
-	if (!is_closed(t))
+	if (!is_closed(v, t))
 		return false;
 	share_surface(v, t->seen, &visible, &floor);
 	if (visible < LEAST_SEEN)
 		return false;
 	if (v->given)
-		return (double)t->fronts >= LEAST_FRONTS * (double)t->hits;
+		return see_fronts(v, t);
 	if (v->wish->scanner_count > 0)
-		return scanners_within(v, ray);
+		return scanners_within(v, ray) || see_fronts(v, t);
 	for (int k = 0; k < 3; k++)
 		longest = fmax(longest, v->high[k] - v->low[k]);
 	return longest > PEOPLE_FIT && floor > LEAST_FLOOR && is_room(v, t);
@@ -315,23 +329,55 @@ static double value_view(const search *s, const panorama_view *p, int view, doub
 	return value * (s->level[view] ? 1 : 1 - PITCH_COST);
 }
 
-static void try_place(search *s, const int32_t at[3], double above)
+/* Keeps the best view from a place, of what is seen around it, if it is better than those before.
+ *   at      the place, metres, in the coordinates of the points
+ *   worth   times the value */
+static void keep_best(search *s, const panorama_view *around, const double at[3], double worth)
 {
-	panorama_view around;
-	const view_space *v = s->space;
 	gw_viewpoint *to = s->viewpoint;
-	if (!look_around(v, s->ray, at, &around) || around.hits < LEAST_HITS * RAYS)
-		return;
 	for (int d = 0; d < AZIMUTHS * PITCHES; d++) {
-		double depth, value = value_view(s, &around, d, &depth);
+		double depth, value = worth * value_view(s, around, d, &depth);
 		if (!(value > s->best))
 			continue;
 		s->best = value;
 		for (int k = 0; k < 3; k++) {
-			to->at[k] =
-				v->surfels->origin[k] + v->least[k] + (at[k] + 0.5) * v->width + above * v->up[k];
-			to->to[k] = to->at[k] + depth * v->width * s->view[d][k];
+			to->at[k] = at[k];
+			to->to[k] = at[k] + depth * s->space->width * s->view[d][k];
 		}
+	}
+}
+
+static void try_place(search *s, const int32_t cell[3], double above)
+{
+	panorama_view around;
+	const view_space *v = s->space;
+	double at[3];
+	if (!look_around(v, s->ray, cell, &around) || around.hits < LEAST_HITS * RAYS)
+		return;
+	for (int k = 0; k < 3; k++)
+		at[k] = v->surfels->origin[k] + v->least[k] + (cell[k] + 0.5) * v->width + above * v->up[k];
+	keep_best(s, &around, at, 1.0);
+}
+
+/* Where scanners stood in what counts, or hardly outside of it: half of what is around one that
+ * turned half around is empty, and no hole is in the other half. */
+static void try_scanners(search *s)
+{
+	const view_space *v = s->space;
+	size_t count = v->wish->scanner_count;
+	double reach = OUTSIDE * fmax(fmax(v->size[0], v->size[1]), v->size[2]);
+	for (size_t i = 0; i < count; i += count / SCANNERS + 1) {
+		panorama_view around;
+		int32_t cell[3];
+		bool near = true;
+		for (size_t k = 0; k < 3; k++) {
+			double place =
+				(v->wish->scanner[3 * i + k] - v->surfels->origin[k] - v->least[k]) / v->width;
+			near = near && place > -reach && place < v->size[k] + reach;
+			cell[k] = near ? (int32_t)floor(place) : 0;
+		}
+		if (near && look_around(v, s->ray, cell, &around))
+			keep_best(s, &around, v->wish->scanner + 3 * i, count > 1 ? SCANNED_MANY : SCANNED);
 	}
 }
 
@@ -368,6 +414,7 @@ void gw_viewpoint_within(const view_space *v, gw_viewpoint *viewpoint)
 	/* A cone as wide as the mean of the picture's two angles. */
 	double tangent = tan(viewpoint->angle * M_PI / 360);
 	s.cosine = cos(0.5 * (atan(tangent) + atan(tangent * v->wish->aspect)));
+	try_scanners(&s);
 	try_places(&s, true);
 	if (!(s.best > 0))
 		try_places(&s, false);

@@ -284,6 +284,28 @@ static void test_stage(void **state)
 	free(normal);
 }
 
+/* A room of which a quarter was not scanned, in patches, is one to be in when it is known where the
+ * scanner stood; and the picture is taken from there, as no hole is seen by it. */
+static void test_scanned_room(void **state)
+{
+	(void)state;
+	double *position = malloc(6 * SIDE_POINTS * SIDE_POINTS * 3 * sizeof *position);
+	const double room[3] = { 8, 4, 3 }, scanner[3] = { 2.1, 1.9, 1.4 };
+	size_t count = fill_box(room, false, position), kept = 0;
+	for (size_t i = 0; i < count; i++) {
+		size_t column = i % SIDE_POINTS / 8, row = i / SIDE_POINTS % SIDE_POINTS / 8;
+		if ((column + 2 * row) % 4 == 0)
+			continue;
+		memmove(position + 3 * kept++, position + 3 * i, 3 * sizeof *position);
+	}
+	gw_viewpoint_wish wish = { .scanner = scanner, .scanner_count = 1 };
+	gw_viewpoint v = find_view(position, kept, wish);
+	assert_true(v.inside);
+	assert_memory_equal(v.at, scanner, sizeof scanner);
+	assert_true(v.to[0] > 4);
+	free(position);
+}
+
 /* One point 300 m away, and one before the camera, change the distance of the camera by no more
  * than a disc's width, and nearer than `near` there is only the latter. */
 static void test_strays(void **state)
@@ -516,6 +538,7 @@ int main(void)
 		cmocka_unit_test(test_size_for_people),
 		cmocka_unit_test(test_ball),
 		cmocka_unit_test(test_stage),
+		cmocka_unit_test(test_scanned_room),
 		cmocka_unit_test(test_strays),
 		cmocka_unit_test(test_around),
 		cmocka_unit_test(test_scanner_side),
