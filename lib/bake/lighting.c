@@ -241,9 +241,10 @@ static gw_status first_by_cones(gw_lighting *lighting, gw_error *error)
 	bool seen = plan->sky && (sky[0] > 0.0f || sky[1] > 0.0f || sky[2] > 0.0f);
 	if (!in_voxels && !seen)
 		return GW_OK;
-	const gw_facet_radiance radiance = { in_voxels ? &s->octree.facet_emission
-												   : &lighting->facet_radiance,
-										 in_voxels ? largest_emission(&s->surfels) : 1.0f };
+	const gw_facet_radiance radiance = {
+		.facets = in_voxels ? &s->octree.facet_emission : &lighting->facet_radiance,
+		.largest = in_voxels ? largest_emission(&s->surfels) : 1.0f
+	};
 	GW_TRY(gw_cones_apart_bounce(&on, &s->cones, radiance, seen ? sky : black, &s->records.gathered,
 								 error));
 	return add_gathered(s, error);
@@ -455,7 +456,7 @@ static gw_status gather_by_cones(void *self, const gw_buffer *facet_radiance, fl
 	gw_scene *s = ((gw_lighting *)self)->scene;
 	const float black[3] = { 0 };
 	const gw_record_context on = gw_scene_context(s, &s->records);
-	const gw_facet_radiance radiance = { facet_radiance, largest };
+	const gw_facet_radiance radiance = { .facets = facet_radiance, .largest = largest };
 	return gw_cones_apart_bounce(&on, &s->cones, radiance, black, &s->records.gathered, error);
 }
 

@@ -59,7 +59,8 @@ const VkPhysicalDeviceLimits *gw_gpu_limits(const gw_gpu *gpu);
 void gw_gpu_keep_passes(gw_gpu *gpu);
 
 /* Begins with an open device again as if it had just been opened: its account is empty, and memory
- * and `cancelled` are those of the options. Nothing of before may be in use, unless it was put aside (passes.h). */
+ * and `cancelled` are those of the options. Nothing of before may be in use, unless it was put
+ * aside (passes.h). */
 void gw_gpu_begin_again(gw_gpu *gpu, const gw_gpu_options *options);
 
 /* The number of validation messages so far, and the first one's text ("" when none). */

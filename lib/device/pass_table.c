@@ -119,9 +119,10 @@ static const gw_pass_row table[GW_PASS_COUNT] = {
 
 	[GW_PASS_RECORD_DIRECTIONS] = { "record_directions", "ttts", sizeof(gw_record_push),
 									.why = PLACES },
-	[GW_PASS_BRICK_INJECT] = { "brick_inject", "tttttit", sizeof(gw_cone_push), 8, .why = SAMPLER },
+	[GW_PASS_BRICK_INJECT] = { "brick_inject", "tttttitt", sizeof(gw_cone_push), 8,
+							   .why = SAMPLER },
 	[GW_PASS_BRICK_MIPMAP] = { "brick_mipmap", "ttii", sizeof(gw_cone_push), 48, .why = SAMPLER },
-	[GW_PASS_RECORD_CONES] = { "record_cones", "ttmmsssttt", sizeof(gw_cone_push), 4096,
+	[GW_PASS_RECORD_CONES] = { "record_cones", "ttmmssstttt", sizeof(gw_cone_push), 4096,
 							   .why = SAMPLER },
 
 	[GW_PASS_PIXEL_RAYS] = { "pixel_rays", "ttttttttttttsssttt", sizeof(gw_pixel_push), 4096,

@@ -66,9 +66,16 @@ void gw_cone_gather_destroy(gw_gpu *gpu, gw_cone_gather *gather)
 {
 	gw_image_destroy(gpu, &gather->leaf_pool);
 	gw_image_destroy(gpu, &gather->mip_pool);
-	free(gather->record_label);
-	gather->record_label = NULL;
-	gather->labelled = 0;
+	gw_cone_gather_forget_marks(gpu, gather);
+}
+
+void gw_cone_gather_forget_marks(gw_gpu *gpu, gw_cone_gather *gather)
+{
+	gw_buffer_destroy(gpu, &gather->record_mark);
+	gw_buffer_destroy(gpu, &gather->facet_mark);
+	free(gather->looked_into);
+	gather->looked_into = NULL;
+	gather->marked = 0;
 }
 
 gw_cone_push gw_cone_gather_push(const gw_cone_gather *gather, float scale, const float sky[3])
@@ -85,15 +92,26 @@ gw_cone_push gw_cone_gather_push(const gw_cone_gather *gather, float scale, cons
 						   .sky = { sky[0], sky[1], sky[2], 0.0f } };
 }
 
+static gw_cone_push push_of(const gw_cone_gather *gather, gw_facet_radiance radiance, float scale,
+							const float sky[3])
+{
+	gw_cone_push push = gw_cone_gather_push(gather, scale, sky);
+	push.apart = radiance.apart;
+	push.mark = radiance.mark;
+	return push;
+}
+
 static gw_status inject(gw_passes *passes, const gw_octree *octree, const gw_cone_gather *gather,
 						const gw_buffer *facet_radiance, gw_cone_push push, gw_error *error)
 {
-	const gw_binding leaves[] = {
-		gw_whole(&octree->leaf_tile),   gw_whole(&octree->leaf_tile_neighbour),
-		gw_whole(&octree->facet_plane), gw_whole(&octree->facet_centre),
-		gw_whole(facet_radiance),       gw_voxels_of(&gather->leaf_pool),
-		gw_whole(&octree->facet_albedo)
-	};
+	const gw_binding leaves[] = { gw_whole(&octree->leaf_tile),
+								  gw_whole(&octree->leaf_tile_neighbour),
+								  gw_whole(&octree->facet_plane),
+								  gw_whole(&octree->facet_centre),
+								  gw_whole(facet_radiance),
+								  gw_voxels_of(&gather->leaf_pool),
+								  gw_whole(&octree->facet_albedo),
+								  gw_whole(push.apart ? &gather->facet_mark : &octree->leaf_tile) };
 	GW_TRY(gw_passes_run(passes, GW_PASS_BRICK_INJECT, leaves, &push,
 						 27 * (uint64_t)octree->leaf_tile_count, error));
 	const gw_binding levels[] = { gw_whole(&octree->node), gw_whole(&octree->tile_neighbour),
@@ -115,8 +133,8 @@ gw_status gw_cone_gather_fill(gw_passes *passes, const gw_octree *octree,
 {
 	const float black[3] = { 0 };
 	*scale = radiance.largest > 0.0f ? STORED_LARGEST / radiance.largest : 1.0f;
-	return inject(passes, octree, gather, radiance.facets,
-				  gw_cone_gather_push(gather, *scale, black), error);
+	return inject(passes, octree, gather, radiance.facets, push_of(gather, radiance, *scale, black),
+				  error);
 }
 
 gw_status gw_cone_gather_bounce(const gw_record_context *on, gw_cone_gather *gather,
@@ -125,7 +143,7 @@ gw_status gw_cone_gather_bounce(const gw_record_context *on, gw_cone_gather *gat
 {
 	float scale;
 	GW_TRY(gw_cone_gather_fill(on->passes, on->octree, gather, radiance, &scale, error));
-	const gw_cone_push push = gw_cone_gather_push(gather, scale, sky);
+	const gw_cone_push push = push_of(gather, radiance, scale, sky);
 	const gw_binding bindings[] = { gw_whole(&on->octree->level_directory),
 									gw_whole(&on->octree->node),
 									gw_voxels_of(&gather->leaf_pool),
@@ -135,7 +153,9 @@ gw_status gw_cone_gather_bounce(const gw_record_context *on, gw_cone_gather *gat
 									gw_window(gathered, 16),
 									gw_whole(&on->octree->leaf_tile),
 									gw_whole(&on->octree->facet_plane),
-									gw_whole(&on->octree->facet_albedo) };
+									gw_whole(&on->octree->facet_albedo),
+									gw_whole(radiance.apart ? &gather->record_mark
+															: &on->octree->leaf_tile) };
 	return gw_passes_run(on->passes, GW_PASS_RECORD_CONES, bindings, &push, on->records->count,
 						 error);
 }

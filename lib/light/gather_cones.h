@@ -19,9 +19,11 @@ typedef struct gw_cone_gather {
 	uint32_t leaf_face_depth, mip_face_depth;
 	gw_image leaf_pool, mip_pool; /* R16G16B16A16_SFLOAT, see brick_pool.glsl */
 
-	/* Compartments of the records, from the first bounce on that asks (cones_apart.h); owned. */
-	uint32_t *record_label;
-	uint32_t labelled; /* of so many records */
+	/* Marks of compartments, from the first bounce on that asks (cones_apart.h): R32_UINT, of each
+	 * record and each facet. */
+	gw_buffer record_mark, facet_mark;
+	bool *looked_into; /* a mark: does a record have it? Owned */
+	uint32_t marked;   /* so many records */
 } gw_cone_gather;
 
 /* Allocates the pools. Fails with GW_ERROR_MEMORY and the bytes needed. */
@@ -29,10 +31,15 @@ gw_status gw_cone_gather_create(gw_gpu *gpu, const gw_octree *octree, uint32_t c
 								gw_cone_gather *gather, gw_error *error);
 void gw_cone_gather_destroy(gw_gpu *gpu, gw_cone_gather *gather);
 
+/* Drops the marks of compartments. */
+void gw_cone_gather_forget_marks(gw_gpu *gpu, gw_cone_gather *gather);
+
 /* What the facets send out. */
 typedef struct gw_facet_radiance {
 	const gw_buffer *facets; /* texel buffer, 2 * leaf_count vec4 */
 	float largest; /* largest component in it: radiance is scaled so that half floats hold it */
+	bool apart;    /* only records with the mark gather, from facets that face it or any */
+	uint32_t mark; /* then; the gather has the marks */
 } gw_facet_radiance;
 
 /*

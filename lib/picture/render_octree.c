@@ -72,9 +72,9 @@ static gw_status fill_bricks(gw_render_octree *o, float largest, gw_error *error
 {
 	GW_TRY(gw_cone_gather_create(o->gpu, &o->octree, 1, 0, &o->bricks, error));
 	o->has_bricks = true;
-	return gw_cone_gather_fill(&o->passes, &o->octree, &o->bricks,
-							   (gw_facet_radiance){ &o->facet_radiance, largest }, &o->scale,
-							   error);
+	return gw_cone_gather_fill(
+		&o->passes, &o->octree, &o->bricks,
+		(gw_facet_radiance){ .facets = &o->facet_radiance, .largest = largest }, &o->scale, error);
 }
 
 static gw_status make(gw_render_octree *o, const gw_surfels *surfels, const float *radiance,

@@ -18,6 +18,7 @@ layout(binding = 3) uniform samplerBuffer facet_centre;
 layout(binding = 4) uniform samplerBuffer facet_radiance;
 layout(binding = 5, rgba16f) uniform writeonly image3D leaf_pool;
 layout(binding = 6) uniform samplerBuffer facet_albedo;
+layout(binding = 7) uniform usamplerBuffer facet_mark; /* if push.apart */
 layout(constant_id = 5) const uint dark_slot = 0u;
 layout(push_constant) uniform Push
 {
@@ -45,6 +46,13 @@ float shown_share(int slot)
 	return clear > 0.0 ? (1.0 - clear) / push.gain : 1.0;
 }
 
+/* What faces another compartment is met, but dark. */
+bool is_dark(int slot)
+{
+	uint mark = push.apart != 0u ? texelFetch(facet_mark, slot).x : 0u;
+	return mark != 0u && push.mark != 0u && mark != push.mark;
+}
+
 void main()
 {
 	uint i = gl_GlobalInvocationID.x;
@@ -66,8 +74,8 @@ void main()
 	for (uint s = 0u; s < 2u; s++) {
 		int slot = int(2u * leaf + s);
 		bool facet = exists && (s == 0u || ((entry.y >> (16u + octant)) & 1u) != 0u);
-		radiance[s] =
-			facet ? vec4(texelFetch(facet_radiance, slot).xyz * push.scale, 1.0) : vec4(0.0);
+		vec3 sent = facet && !is_dark(slot) ? texelFetch(facet_radiance, slot).xyz : vec3(0.0);
+		radiance[s] = facet ? vec4(sent * push.scale, 1.0) : vec4(0.0);
 		facing[s] =
 			facet ? texelFetch(facet_plane, slot).xyz * texelFetch(facet_centre, slot).w
 				  : vec3(0.0);

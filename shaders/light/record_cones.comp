@@ -29,6 +29,7 @@ layout(binding = 6) writeonly buffer Gathered
 layout(binding = 7) uniform usamplerBuffer leaf_tile;
 layout(binding = 8) uniform samplerBuffer facet_plane;
 layout(binding = 9) uniform samplerBuffer facet_albedo;
+layout(binding = 10) uniform usamplerBuffer record_mark; /* if push.apart */
 layout(push_constant) uniform Push
 {
 	gw_cone_push push;
@@ -62,8 +63,8 @@ void main()
 	if (i >= push.count)
 		return;
 	vec3 normal = record_normal[i].xyz;
-	float open = record_normal[i].w; /* less than 1 if buried; GW_RECORD_LEFT: as it is */
-	if (open == GW_RECORD_LEFT)
+	float open = record_normal[i].w; /* less than 1 if buried */
+	if (push.apart != 0u && texelFetch(record_mark, int(push.first + i)).x != push.mark)
 		return;
 	vec3 origin = record_position[i].xyz + 0.5 * normal;
 	if (is_on_clear(record_position[i].xyz, normal))

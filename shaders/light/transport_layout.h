@@ -23,9 +23,6 @@
 /* Marks of compartments of empty space: 0 where it is not known. */
 #define GW_MARK_OUTSIDE 1.0f /* what lies around the scene */
 
-/* In place of whether a record is open: it is left as it is. */
-#define GW_RECORD_LEFT (-1.0f)
-
 /* Light counts for how irradiance changes with the normal at most as that at this tangent of an
  * angle to the normal does (63 degrees); so normals that turn by as little as its inverse as a sine
  * (30 degrees) never receive less than nothing. */
@@ -167,8 +164,14 @@ SHARED_STRUCT(gw_cone_push)
 	uint sky_width, sky_height; /* pixels: of the map, as gw_record_push has it */
 	float sky_turn;
 	uint sky_y_up;
+	/* One of several compartments gathers: only records with its mark, from what faces it; a mark
+	 * of 0 faces, and is faced by, any. 0: all do. */
+	uint apart;
+	uint mark;
+	uint unused[2];
 };
-SHARED_SIZE(gw_cone_push, 112);
+SHARED_SIZE(gw_cone_push, 128);
+SHARED_OFFSET(gw_cone_push, apart, 112);
 SHARED_OFFSET(gw_cone_push, scale, 28);
 SHARED_OFFSET(gw_cone_push, sky, 64);
 SHARED_OFFSET(gw_cone_push, eye, 80);
