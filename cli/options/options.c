@@ -118,10 +118,12 @@ static const char *view_name(int i)
 										[SETTINGS_VIEW_POINTS] = "points",
 										[SETTINGS_VIEW_CELLS] = "cells:LEVEL",
 										[SETTINGS_VIEW_BORDER] = "border:LEVEL",
+										[SETTINGS_VIEW_OCTREE] = "octree:LEVEL",
 										[SETTINGS_VIEW_OPACITY] = "opacity:LEVEL:SIDE",
 										[SETTINGS_VIEW_VOXELS] = "radiance:LEVEL:SIDE",
 										[SETTINGS_VIEW_SHADOW] = "shadow:LAMP",
 										[SETTINGS_VIEW_RECORDS] = "records",
+										[SETTINGS_VIEW_SAMPLES] = "samples",
 										[SETTINGS_VIEW_ERROR] = "error",
 										[SETTINGS_VIEW_GAPS] = "gaps",
 										[SETTINGS_VIEW_COUNT] = NULL };

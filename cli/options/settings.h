@@ -152,10 +152,12 @@ typedef enum settings_view {
 	SETTINGS_VIEW_POINTS,      /* auto, with discs so small that each point is seen */
 	SETTINGS_VIEW_CELLS,       /* of the octree; settings_render.detail says the level */
 	SETTINGS_VIEW_BORDER,      /* its border tiles, likewise */
+	SETTINGS_VIEW_OCTREE,      /* both at once, likewise */
 	SETTINGS_VIEW_OPACITY,     /* of voxels to one side; detail is LEVEL:SIDE */
 	SETTINGS_VIEW_VOXELS,      /* their radiance, likewise */
 	SETTINGS_VIEW_SHADOW,      /* what a lamp sees; detail is its name or number */
 	SETTINGS_VIEW_RECORDS,     /* where a bake gathers light */
+	SETTINGS_VIEW_SAMPLES,     /* regions of influence as boxes, NDFs as discs in them */
 	SETTINGS_VIEW_ERROR,       /* of a cloud that compare wrote */
 	SETTINGS_VIEW_GAPS,        /* how much of a point's light would come through gaps */
 	SETTINGS_VIEW_COUNT

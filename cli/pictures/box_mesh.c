@@ -1,5 +1,6 @@
 #include "pictures/box_mesh.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -20,43 +21,92 @@ static gw_status grow(box_mesh *m, gw_error *error)
 		m->index = index;
 	if (!index)
 		return gw_fail(error, GW_ERROR_MEMORY,
-					   "no memory to draw more than %zu faces of cells; choose a coarser level",
+					   "no memory to draw more than %zu faces; choose a coarser level, or a camera "
+					   "that sees less",
 					   m->face_count);
 	m->face_room = room;
 	return GW_OK;
 }
 
-/* One square, counterclockwise from outside. */
-static void add_face(box_mesh *m, const float low[3], float size, const float color[3],
-					 unsigned face)
+/* Four corners, counterclockwise from outside; lines: whether it has edges to be seen. */
+static gw_status add_quad(box_mesh *m, float corner[4][3], const float color[3], bool lines,
+						  gw_error *error)
 {
-	static const float corner[4][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 1 } };
+	static const float place[4][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 1 } };
 	static const uint32_t order[6] = { 0, 1, 2, 0, 2, 3 };
+	if (m->face_count == m->face_room)
+		GW_TRY(grow(m, error));
 	size_t n = m->face_count++;
-	unsigned axis = face / 2, u = (axis + 1) % 3, v = (axis + 2) % 3;
-	bool front = face % 2 == 0;
 	for (size_t c = 0; c < 4; c++) {
-		float *p = m->position + 12 * n + 3 * c, *to = m->channel + (4 * n + c) * BOX_MESH_CHANNELS;
-		p[axis] = low[axis] + (front ? size : 0.0f);
-		p[u] = low[u] + corner[c][front ? 0 : 1] * size;
-		p[v] = low[v] + corner[c][front ? 1 : 0] * size;
+		float *to = m->channel + (4 * n + c) * BOX_MESH_CHANNELS;
+		memcpy(m->position + 12 * n + 3 * c, corner[c], sizeof corner[c]);
 		memcpy(to, color, 3 * sizeof *to);
-		to[BOX_MESH_U] = corner[c][0];
-		to[BOX_MESH_V] = corner[c][1];
+		to[BOX_MESH_U] = lines ? place[c][0] : 0.5f;
+		to[BOX_MESH_V] = lines ? place[c][1] : 0.5f;
 	}
 	for (size_t k = 0; k < 6; k++)
 		m->index[6 * n + k] = (uint32_t)(4 * n) + order[k];
+	return GW_OK;
+}
+
+/* One side of a box. */
+static gw_status add_face(box_mesh *m, const float low[3], const float size[3],
+						  const float color[3], unsigned face, bool lines, gw_error *error)
+{
+	static const unsigned place[4][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 1 } };
+	unsigned axis = face / 2, u = (axis + 1) % 3, v = (axis + 2) % 3;
+	bool front = face % 2 == 0;
+	float corner[4][3];
+	for (size_t c = 0; c < 4; c++) {
+		corner[c][axis] = low[axis] + (front ? size[axis] : 0.0f);
+		corner[c][u] = low[u] + (place[c][front ? 0 : 1] ? size[u] : 0.0f);
+		corner[c][v] = low[v] + (place[c][front ? 1 : 0] ? size[v] : 0.0f);
+	}
+	return add_quad(m, corner, color, lines, error);
 }
 
 gw_status box_mesh_add(box_mesh *m, const float low[3], float size, const float color[3],
 					   unsigned faces, gw_error *error)
 {
-	for (unsigned face = 0; face < 6; face++) {
-		if (!(faces & 1u << face))
-			continue;
-		if (m->face_count == m->face_room)
-			GW_TRY(grow(m, error));
-		add_face(m, low, size, color, face);
+	const float sides[3] = { size, size, size };
+	for (unsigned face = 0; face < 6; face++)
+		if (faces & 1u << face)
+			GW_TRY(add_face(m, low, sides, color, face, true, error));
+	return GW_OK;
+}
+
+gw_status box_mesh_add_edge(box_mesh *m, const float low[3], float size, unsigned edge, float width,
+							const float color[3], gw_error *error)
+{
+	unsigned axis = edge / 4, u = (axis + 1) % 3, v = (axis + 2) % 3;
+	float corner[3], sides[3] = { width, width, width };
+	for (unsigned k = 0; k < 3; k++)
+		corner[k] = low[k] - 0.5f * width;
+	corner[u] += edge & 1u ? size : 0.0f;
+	corner[v] += edge & 2u ? size : 0.0f;
+	sides[axis] = size + width;
+	for (unsigned face = 0; face < 6; face++) /* ends meet those of others */
+		if (face / 2 != axis)
+			GW_TRY(add_face(m, corner, sides, color, face, false, error));
+	return GW_OK;
+}
+
+gw_status box_mesh_add_disc(box_mesh *m, const float centre[3], const float normal[3], float radius,
+							const float color[3], gw_error *error)
+{
+	static const unsigned quad[3][4] = { { 0, 1, 2, 3 }, { 0, 3, 4, 7 }, { 4, 5, 6, 7 } };
+	float sign = normal[2] < 0.0f ? -1.0f : 1.0f, a = -1.0f / (sign + normal[2]);
+	float b = normal[0] * normal[1] * a; /* a frame about the normal (Duff and others 2017) */
+	const float t[3] = { 1.0f + sign * normal[0] * normal[0] * a, sign * b, -sign * normal[0] };
+	const float s[3] = { b, sign + normal[1] * normal[1] * a, -normal[1] };
+	for (size_t q = 0; q < 3; q++) {
+		float corner[4][3];
+		for (size_t c = 0; c < 4; c++) {
+			float angle = (float)(M_PI / 4.0) * (float)quad[q][c];
+			for (size_t k = 0; k < 3; k++)
+				corner[c][k] = centre[k] + radius * (cosf(angle) * t[k] + sinf(angle) * s[k]);
+		}
+		GW_TRY(add_quad(m, corner, color, false, error));
 	}
 	return GW_OK;
 }

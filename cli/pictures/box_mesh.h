@@ -1,5 +1,5 @@
 /*
- * box_mesh.h - boxes as triangles, for pictures of cells.
+ * box_mesh.h - boxes, frames and discs as triangles, for pictures of cells and samples.
  */
 #ifndef BOX_MESH_H
 #define BOX_MESH_H
@@ -23,6 +23,26 @@ typedef struct box_mesh {
  */
 gw_status box_mesh_add(box_mesh *mesh, const float low[3], float size, const float color[3],
 					   unsigned faces, gw_error *error);
+
+/*
+ * Adds one of the twelve edges of a cube, as a bar around it. It has no lines of its own.
+ *   low     the cube's corner, metres in the surfels' frame
+ *   edge    0 to 11: axis along which it goes, times four, and which of the four
+ *   width   of the bar, metres
+ * GW_ERROR_MEMORY.
+ */
+gw_status box_mesh_add_edge(box_mesh *mesh, const float low[3], float size, unsigned edge,
+							float width, const float color[3], gw_error *error);
+
+/*
+ * Adds a disc, as an octagon around its circle's points.
+ *   normal   unit
+ *   radius   metres
+ * GW_ERROR_MEMORY.
+ */
+gw_status box_mesh_add_disc(box_mesh *mesh, const float centre[3], const float normal[3],
+							float radius, const float color[3], gw_error *error);
+
 void box_mesh_clear(box_mesh *mesh);
 
 /* The boxes as they are drawn; valid as long as the mesh stays unchanged. */

@@ -17,13 +17,22 @@
 /* Side of a record's box, in spacings of the points. */
 #define RECORD_SIZE 1.0f
 
+/* Thickness of a frame's bars, as a share of the box. */
+#define BAR 0.04f
+
 /* Pixels that an edge is wide; cells below three times that have none. */
 #define EDGE 1.2f
 
 bool octree_view_is_boxes(settings_view view)
 {
 	return view == SETTINGS_VIEW_CELLS || view == SETTINGS_VIEW_BORDER ||
-		   view == SETTINGS_VIEW_OPACITY || view == SETTINGS_VIEW_VOXELS;
+		   view == SETTINGS_VIEW_OCTREE || view == SETTINGS_VIEW_OPACITY ||
+		   view == SETTINGS_VIEW_VOXELS || view == SETTINGS_VIEW_SAMPLES;
+}
+
+bool octree_view_is_samples(settings_view view)
+{
+	return view == SETTINGS_VIEW_SAMPLES;
 }
 
 bool octree_view_is_overlay(settings_view view)
@@ -92,6 +101,7 @@ gw_status octree_view_check(const settings *s, octree_view *v, gw_error *error)
 	switch (v->view) {
 	case SETTINGS_VIEW_CELLS:
 	case SETTINGS_VIEW_BORDER:
+	case SETTINGS_VIEW_OCTREE:
 		return check_level(detail, false, v, error);
 	case SETTINGS_VIEW_OPACITY:
 	case SETTINGS_VIEW_VOXELS:
@@ -130,6 +140,13 @@ static unsigned open_faces(const gw_cells *cells, uint64_t key)
 	return faces;
 }
 
+/* The corner of a cell. */
+static void corner_of(const gw_cells *cells, const uint32_t cell[3], float low[3])
+{
+	for (size_t k = 0; k < 3; k++)
+		low[k] = cells->corner[k] + (float)cell[k] * cells->size;
+}
+
 /* shown: 4 a cell, or NULL. */
 static gw_status add_cells(octree_view *v, const gw_cells *cells, const float *shown,
 						   gw_error *error)
@@ -139,12 +156,10 @@ static gw_status add_cells(octree_view *v, const gw_cells *cells, const float *s
 		float low[3], color[3];
 		uint32_t cell[3];
 		gw_morton_decode(cells->key[i], cell);
-		for (int k = 0; k < 3; k++) {
-			low[k] = cells->corner[k] + (float)cell[k] * cells->size;
-			if (shown)
-				color[k] = v->view == SETTINGS_VIEW_OPACITY ? fminf(shown[4 * i + 3], 1.0f)
-															: shown[4 * i + (size_t)k];
-		}
+		corner_of(cells, cell, low);
+		for (size_t k = 0; k < 3 && shown; k++)
+			color[k] =
+				v->view == SETTINGS_VIEW_OPACITY ? fminf(shown[4 * i + 3], 1.0f) : shown[4 * i + k];
 		if (!shown)
 			color_of(cells->key[i], color);
 		if (shown && shown[4 * i + 3] < EMPTY)
@@ -157,11 +172,51 @@ static gw_status add_cells(octree_view *v, const gw_cells *cells, const float *s
 	return GW_OK;
 }
 
+/* An edge is drawn by the first of the cells that share it. */
+static bool owns_edge(const gw_cells *cells, const uint32_t cell[3], unsigned edge)
+{
+	unsigned axis = edge / 4, u = (axis + 1) % 3, v = (axis + 2) % 3;
+	for (unsigned other = 0; other < 4; other++) {
+		uint32_t at[3] = { cell[0], cell[1], cell[2] };
+		at[u] += (edge & 1u) + (other & 1u) - 1u;
+		at[v] += (edge >> 1 & 1u) + (other >> 1) - 1u;
+		if (at[u] >= 1u << GW_DEPTH_MAX || at[v] >= 1u << GW_DEPTH_MAX)
+			continue;
+		uint64_t key = gw_morton_encode(at[0], at[1], at[2]);
+		if (key < gw_morton_encode(cell[0], cell[1], cell[2]) &&
+			gw_cells_find(cells, key) != SIZE_MAX)
+			return false;
+	}
+	return true;
+}
+
+/* The border tiles of a level as frames, through which its cells are seen. */
+static gw_status add_border_frames(octree_view *v, gw_render_octree *octree, gw_error *error)
+{
+	static const float grey[3] = { 0.9f, 0.9f, 0.9f };
+	gw_cells tiles;
+	gw_status status = gw_cells_list_borders(octree, v->level, &tiles, error);
+	for (size_t i = 0; i < tiles.count && status == GW_OK; i++) {
+		uint32_t cell[3];
+		float low[3];
+		gw_morton_decode(tiles.key[i], cell);
+		corner_of(&tiles, cell, low);
+		for (unsigned edge = 0; edge < 12 && status == GW_OK; edge++)
+			if (owns_edge(&tiles, cell, edge))
+				status = box_mesh_add_edge(&v->boxes, low, tiles.size, edge, BAR * tiles.size, grey,
+										   error);
+	}
+	v->shown += tiles.count;
+	gw_cells_clear(&tiles);
+	return status;
+}
+
 static gw_status make_cells(octree_view *v, gw_render_octree *octree, gw_error *error)
 {
 	gw_cells cells;
 	float *shown = NULL;
-	bool border = v->view == SETTINGS_VIEW_BORDER, plain = border || v->view == SETTINGS_VIEW_CELLS;
+	bool border = v->view == SETTINGS_VIEW_BORDER;
+	bool plain = border || v->view == SETTINGS_VIEW_CELLS || v->view == SETTINGS_VIEW_OCTREE;
 	gw_status status =
 		(border ? gw_cells_list_borders : gw_cells_list)(octree, v->level, &cells, error);
 	if (status == GW_OK && !plain) {
@@ -171,6 +226,8 @@ static gw_status make_cells(octree_view *v, gw_render_octree *octree, gw_error *
 	}
 	if (status == GW_OK)
 		status = add_cells(v, &cells, shown, error);
+	if (status == GW_OK && v->view == SETTINGS_VIEW_OCTREE)
+		status = add_border_frames(v, octree, error);
 	if (status == GW_OK && v->shown == 0)
 		status = gw_fail(error, GW_ERROR_DATA,
 						 border ? "level %u of the octree has no border tiles"
@@ -179,6 +236,43 @@ static gw_status make_cells(octree_view *v, gw_render_octree *octree, gw_error *
 	free(shown);
 	gw_cells_clear(&cells);
 	return status;
+}
+
+/* A frame as wide as the region of influence, and in it a disc across the normal, which fills it
+ * where all of the surface faces one way and is smaller by the spread of the NDF. */
+static gw_status add_sample(octree_view *v, const gw_surfels *s, size_t i, float side,
+							gw_error *error)
+{
+	static const float grey[3] = { 0.8f, 0.8f, 0.8f };
+	const float *centre = s->position + 3 * i, *normal = s->normal + 3 * i;
+	float low[3], color[3];
+	for (size_t k = 0; k < 3; k++) {
+		low[k] = centre[k] - 0.5f * side;
+		color[k] = 0.5f + 0.5f * normal[k];
+	}
+	for (unsigned edge = 0; edge < 12; edge++)
+		GW_TRY(box_mesh_add_edge(&v->boxes, low, side, edge, BAR * side, grey, error));
+	return box_mesh_add_disc(&v->boxes, centre, normal, 0.5f * side * s->normal_length[i], color,
+							 error);
+}
+
+/* The region is as wide as it is to the next sample, and at most a leaf (Salm 4.3.4). */
+static gw_status make_samples(const render_scene *scene, octree_view *v, gw_render_octree *o,
+							  gw_error *error)
+{
+	const gw_surfels *s = &scene->surfels;
+	float leaf = (float)gw_render_octree_width(o).leaf_size;
+	for (size_t i = 0; i < s->count; i++) {
+		float side = fminf(s->nearest[i], leaf);
+		if (!v->seen[i] || !(side > 0.0f))
+			continue;
+		v->size = fmaxf(v->size, side);
+		GW_TRY(add_sample(v, s, i, side, error));
+		v->shown++;
+	}
+	return v->shown ? GW_OK
+					: gw_fail(error, GW_ERROR_DATA,
+							  "no point is in view; --camera auto finds a camera that sees some");
 }
 
 static gw_status make_records(const settings *s, const render_scene *scene, octree_view *v,
@@ -228,8 +322,9 @@ static gw_status make(settings *s, render_scene *scene, octree_view *v, gw_rende
 {
 	if (v->view == SETTINGS_VIEW_SHADOW)
 		return make_shadow(s, scene, v, octree, error);
-	GW_TRY(v->view == SETTINGS_VIEW_RECORDS ? make_records(s, scene, v, octree, error)
-											: make_cells(v, octree, error));
+	GW_TRY(v->view == SETTINGS_VIEW_RECORDS  ? make_records(s, scene, v, octree, error)
+		   : octree_view_is_samples(v->view) ? make_samples(scene, v, octree, error)
+											 : make_cells(v, octree, error));
 	v->raster = (gw_raster_scene){ .triangles = box_mesh_triangles(&v->boxes),
 								   .channel_count = BOX_MESH_CHANNELS };
 	memcpy(v->raster.origin, scene->surfels.origin, sizeof v->raster.origin);
@@ -286,7 +381,7 @@ void octree_view_values(const octree_view *v, const gw_camera *camera, const gw_
 						float *values)
 {
 	size_t pixels = (size_t)g->width * g->height;
-	bool shaded = v->view == SETTINGS_VIEW_CELLS || v->view == SETTINGS_VIEW_BORDER;
+	bool shaded = v->view != SETTINGS_VIEW_OPACITY && v->view != SETTINGS_VIEW_VOXELS;
 	for (size_t i = 0; i < pixels; i++) {
 		float bright = shaded && g->coverage[i] > 0.0f ? brightness(v, camera, g, i) : 1.0f;
 		for (size_t k = 0; k < 3; k++)

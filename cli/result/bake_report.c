@@ -308,21 +308,42 @@ gw_status bake_report_write(const bake_facts *f, output_file *out, gw_error *err
 
 /* ------------------------------------------------------------------------------ for people */
 
-/* The rows of Salm's tables 5.1 to 5.4: what is built once, and what each bounce costs. */
-static void profile_bounces(const gw_report *r)
+static bool calls_for(const gw_report *r, const char *effect)
+{
+	for (uint32_t i = 0; i < r->effect_count; i++)
+		if (strcmp(r->effect[i].name, effect) == 0)
+			return r->effect[i].called_for;
+	return false;
+}
+
+/* A row that the thesis has; one that this bake has nothing of shows a dash, as there. */
+static void profile_row(const char *name, bool there, double seconds)
+{
+	if (there)
+		fprintf(stderr, "%-18s %9.1f\n", name, seconds * 1e3);
+	else
+		fprintf(stderr, "%-18s %9s\n", name, "-");
+}
+
+/* The rows of Salm's tables 5.1 to 5.4: what is built once, what is built again for what moved, and
+ * what each bounce costs. */
+static void profile_bounces(const gw_report *r, bool moved)
 {
 	double bounces = r->bounce_count > 1 ? (double)(r->bounce_count - 1) : 1.0;
 	double inject = r->inject_seconds * 1e3, gather = r->gather_seconds * 1e3;
 	fprintf(stderr, "%-18s %9s %12s\n", "thesis's terms", "ms", "ms a bounce");
-	fprintf(stderr, "%-18s %9.1f\n", "static", gw_report_seconds(r, "octree") * 1e3);
+	profile_row("static", !moved, gw_report_seconds(r, "octree"));
+	profile_row("dynamic", moved, gw_report_seconds(r, "octree"));
 	fprintf(stderr, "%-18s %9.1f %12.2f\n", "inj./mip.", inject, inject / bounces);
 	fprintf(stderr, "%-18s %9.1f\n", "rays, traced once", r->trace_seconds * 1e3);
 	fprintf(stderr, "%-18s %9.1f %12.2f\n", "gather", gather, gather / bounces);
-	fprintf(stderr, "%-18s %9.1f %12.2f\n\n", "l.prop.", inject + gather,
+	fprintf(stderr, "%-18s %9.1f %12.2f\n", "l.prop.", inject + gather,
 			(inject + gather) / bounces);
+	profile_row("shadows", calls_for(r, "shadows"), gw_report_seconds(r, "direct light"));
+	fputc('\n', stderr);
 }
 
-void bake_report_profile(const gw_report *r)
+void bake_report_profile(const gw_report *r, bool moved)
 {
 	double seconds = 0.0, device = 0.0, compile = 0.0;
 	fprintf(stderr, "%-18s %9s %9s %9s %9s %10s\n", "stage", "ms", "device ms", "compile ms", "MB",
@@ -338,7 +359,7 @@ void bake_report_profile(const gw_report *r)
 	}
 	fprintf(stderr, "%-18s %9.1f %9.1f %9.1f\n\n", "net", seconds * 1e3, device * 1e3,
 			compile * 1e3);
-	profile_bounces(r);
+	profile_bounces(r, moved);
 	fprintf(stderr, "%-18s %9" PRIu32 "\n", "SVO depth", r->depth);
 	fprintf(stderr, "%-18s %9.1f MB\n", "SVO-buffer", (double)r->octree_bytes / MEGABYTE);
 	fprintf(stderr, "%-18s %9.1f MB\n", "brick pools", (double)r->brick_bytes / MEGABYTE);

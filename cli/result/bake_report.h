@@ -22,9 +22,12 @@ typedef struct bake_facts {
 /* Writes the report as JSON; glowworm-bake(1) describes it. */
 gw_status bake_report_write(const bake_facts *facts, output_file *out, gw_error *error);
 
-/* Prints time and memory of each stage to standard error, and what the octree takes, in the terms
- * of Salm's tables 5.1 to 5.4. */
-void bake_report_profile(const gw_report *report);
+/*
+ * Prints time and memory of each stage to standard error, and what the octree takes, in the terms
+ * of Salm's tables 5.1 to 5.4.
+ *   moved   the octree is one of an earlier frame, in which only what moved was built again
+ */
+void bake_report_profile(const gw_report *report, bool moved);
 
 /* Prints what was repaired or left out, to standard error. */
 void bake_report_notes(const bake_facts *facts);

@@ -463,7 +463,7 @@ static void say(const frame_run *r, const frame_facts *f)
 				f->frame, f->bake_seconds, f->write_seconds, f->report.bounce_count,
 				f->file ? ", " : "", f->file ? f->file : "");
 	if (r->settings->profile)
-		bake_report_profile(&f->report);
+		bake_report_profile(&f->report, r->at != r->first && !r->settings->rebuild);
 }
 
 static gw_status bake_frame(frame_run *r)

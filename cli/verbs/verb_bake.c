@@ -530,7 +530,7 @@ static gw_status say_results(const bake *b)
 									b->planned.report.forecast.own_seconds,
 								stderr);
 	if (s->profile)
-		bake_report_profile(&b->result->report);
+		bake_report_profile(&b->result->report, false);
 	return bake_report_goal(&b->facts, b->error);
 }
 

@@ -44,6 +44,9 @@ typedef struct render {
 	octree_view inner; /* --view cells and others that show what lies behind the light */
 	progress progress;
 	double read_seconds, meter_seconds, draw_seconds, write_seconds; /* draw: all three */
+	double geometry_seconds, shade_seconds; /* of the pictures, without metering: the surface that
+											   each pixel shows, and its light */
+	uint64_t pixel_bytes;                   /* that hold one picture */
 	gw_error *error;
 } render;
 
@@ -332,6 +335,27 @@ static gw_status choose_points(void *user, const render_scene *scene, const gw_s
 	return camera_plan_choose(&r->plan, surfels, aspect, chosen, error);
 }
 
+/* The view of samples shows those that are in the pictures. */
+static gw_status open_view(render *r)
+{
+	const gw_surfels *surfels = &r->scene.surfels;
+	if (!octree_view_is_samples(r->inner.view))
+		return octree_view_open(r->settings, &r->scene, &r->inner, r->error);
+	uint8_t *seen = calloc(surfels->count, 1);
+	gw_status status =
+		seen ? GW_OK
+			 : gw_fail(r->error, GW_ERROR_MEMORY, "no memory for %zu points", surfels->count);
+	double aspect = (double)r->width / (double)r->height;
+	if (status == GW_OK)
+		status = camera_plan_choose(&r->plan, surfels, aspect, seen, r->error);
+	r->inner.seen = seen;
+	if (status == GW_OK)
+		status = octree_view_open(r->settings, &r->scene, &r->inner, r->error);
+	r->inner.seen = NULL;
+	free(seen);
+	return status;
+}
+
 static gw_status read_scene(render *r)
 {
 	double start = gw_seconds();
@@ -341,7 +365,7 @@ static gw_status read_scene(render *r)
 	GW_TRY(choose_view(r));
 	if (r->look.view == SETTINGS_VIEW_RADIANCE)
 		GW_TRY(octree_picture_open(r->settings, &r->scene, &r->octree, r->error));
-	GW_TRY(octree_view_open(r->settings, &r->scene, &r->inner, r->error));
+	GW_TRY(open_view(r));
 	r->read_seconds = gw_seconds() - start;
 	return GW_OK;
 }
@@ -364,6 +388,29 @@ typedef struct resolution {
 	uint32_t width, height, samples; /* samples a pixel's side */
 } resolution;
 
+/* The light of a picture's pixels. */
+static gw_status shade(render *r, const gw_camera *camera, const gw_raster_options *raster,
+					   const gw_gbuffer *g, float *values)
+{
+	double start = gw_seconds();
+	if (octree_view_is_boxes(r->look.view))
+		octree_view_values(&r->inner, camera, g, values);
+	else
+		render_view_values(&r->scene, g, r->look.view, values);
+	if (r->octree.octree)
+		GW_TRY(octree_picture_shade(&r->octree, &r->scene, camera, g, values, r->error));
+	if (octree_view_is_overlay(r->look.view))
+		GW_TRY(lay_over(r, camera, raster, g, values));
+	r->shade_seconds += gw_seconds() - start;
+	return GW_OK;
+}
+
+/* Bytes of a picture's pixels: coverage, depth, facing, which primitive, normal, and channels. */
+static uint64_t bytes_of(const gw_gbuffer *g)
+{
+	return (uint64_t)g->width * g->height * (4 + 3 + g->channel_count) * sizeof(float);
+}
+
 static gw_status draw(render *r, size_t picture, resolution size, gw_gbuffer *g, float **values)
 {
 	gw_camera camera;
@@ -381,21 +428,16 @@ static gw_status draw(render *r, size_t picture, resolution size, gw_gbuffer *g,
 		camera_plan_camera(&r->plan, (double)r->scene.surfels.spacing, picture, &camera, r->error));
 	const gw_raster_scene *shown = boxes ? &r->inner.raster : &r->scene.raster;
 	raster.cull = raster.cull && !boxes;
+	double start = gw_seconds();
 	GW_TRY(gw_raster_draw(shown, &camera, &raster, g, r->error));
+	r->geometry_seconds += gw_seconds() - start;
+	r->pixel_bytes = bytes_of(g);
 	*values = reallocarray(NULL, (size_t)size.width * size.height, 3 * sizeof **values);
 	if (!*values) {
 		gw_gbuffer_clear(g);
 		return gw_fail(r->error, GW_ERROR_MEMORY, "no memory for a picture");
 	}
-	if (boxes)
-		octree_view_values(&r->inner, &camera, g, *values);
-	else
-		render_view_values(&r->scene, g, r->look.view, *values);
-	if (r->octree.octree)
-		GW_TRY(octree_picture_shade(&r->octree, &r->scene, &camera, g, *values, r->error));
-	if (octree_view_is_overlay(r->look.view))
-		GW_TRY(lay_over(r, &camera, &raster, g, *values));
-	return GW_OK;
+	return shade(r, &camera, &raster, g, *values);
 }
 
 /* What is seen in some pictures, pixel by pixel. */
@@ -684,6 +726,7 @@ static gw_status run(render *r)
 	double start = gw_seconds();
 	GW_TRY(choose_exposure(r));
 	r->meter_seconds = gw_seconds() - start;
+	r->geometry_seconds = r->shade_seconds = 0.0;
 	size_t pictures = camera_plan_count(&r->plan);
 	for (size_t i = 0; i < pictures; i++) {
 		progress_show(&r->progress, "draw", (double)(i + 1) / (double)(pictures + 1));
@@ -718,6 +761,21 @@ static void show_stage(const char *name, double seconds)
 	fprintf(stderr, "%-18s %9.1f\n", name, seconds * 1e3);
 }
 
+/* The rows of Salm's tables 5.1 to 5.4 that are of a picture, each for one of them. */
+static void show_final(const render *r)
+{
+	bool cubic = r->octree.cubic && r->octree.voxels, glossy = r->octree.glossy;
+	const char *shading = cubic ? glossy ? "ds(c/g)" : "ds(c)" : glossy ? "ds(g)" : "ds";
+	size_t pictures =
+		r->settings->render.row ? r->settings->input_count : camera_plan_count(&r->plan);
+	double each = pictures ? 1.0 / (double)pictures : 1.0;
+	fprintf(stderr, "\n%-18s %9s\n", "thesis's terms", "ms");
+	show_stage("g-pass", each * r->geometry_seconds);
+	show_stage(shading, each * r->shade_seconds);
+	show_stage("final", each * (r->geometry_seconds + r->shade_seconds));
+	fprintf(stderr, "%-18s %9.1f MB\n", "G-buffer", (double)r->pixel_bytes / (1024.0 * 1024.0));
+}
+
 /* What --profile says. */
 static void show_profile(const render *r)
 {
@@ -732,6 +790,7 @@ static void show_profile(const render *r)
 	show_stage("draw", pictures);
 	show_stage("write", r->write_seconds);
 	show_stage("net", r->read_seconds + r->draw_seconds);
+	show_final(r);
 	fprintf(stderr, "\n%-18s %9zu\n", "points", scene->surfels.point_count);
 	fprintf(stderr, "%-18s %9zu\n", "in view", scene->surfels.count);
 	if (getrusage(RUSAGE_SELF, &usage) == 0)

@@ -7,8 +7,8 @@ run 0 bake box.ply -o lit.ply -q --light "$lamp" --estimate-points 0 --bounces 1
 run 0 bake box.ply -o other.ply -q --light "$lamp" --estimate-points 0 --bounces 2
 run 0 compare lit.ply other.ply --worst worst.ply --worst-count 4000 >figures.txt
 camera='at 0.5,-1.6,0.5 to 0.5,0.5,0.5 fov 40'
-for view in cells:3 cells:5 border:4 opacity:4:+x opacity:4:-x radiance:4:+x radiance:4:-z \
-	records shaded; do
+for view in cells:3 cells:5 border:4 octree:4 samples opacity:4:+x opacity:4:-x radiance:4:+x \
+	radiance:4:-z records shaded; do
 	run 0 render lit.ply -o "$view.png" --size 120x90 --camera "$camera" --view "$view"
 done
 for shadows in traced maps none; do
@@ -33,6 +33,8 @@ bad 2 lit.ply cells:17
 bad 2 lit.ply cells:16
 bad 2 lit.ply cells:3:+x
 bad 2 lit.ply border:-1
+bad 2 lit.ply octree:
+bad 2 lit.ply samples:2
 bad 2 lit.ply opacity:3
 bad 2 lit.ply opacity:3:up
 bad 2 lit.ply radiance:99999999999999999999:+x

@@ -332,8 +332,8 @@ static void undersides_that_are_missing(void **state)
 static void make_ring(scene *s)
 {
 	const double steps = 40.0, middle = 0.55, tube = 0.15;
-	scene_add_patch(s, (double[3]){ -1.5, -1.5, 0 }, (double[3]){ 3, 0, 0 }, (double[3]){ 0, 3, 0 },
-					150, 150, 0.5f);
+	const double corner[3] = { -1.5, -1.5, 0 }, x[3] = { 3, 0, 0 }, y[3] = { 0, 3, 0 };
+	scene_add_patch(s, &(scene_patch){ corner, x, y, 150, 150 }, 0.5f);
 	size_t kept = 0, floor = s->count;
 	for (size_t i = 0; i < floor; i++) {
 		double r = hypot(s->position[3 * i], s->position[3 * i + 1]);

@@ -1,0 +1,36 @@
+# What --profile says in the terms of Salm's tables: rows that a run has nothing of show a dash, the
+# shading is named by what is on, and a picture's final rendering is the sum of its two parts.
+. "$SOURCE/tests/cli/shared_functions"
+make_box --scene cornell --points 2000 -o box.ply
+lamp='point at 0.5,0.4,0.7 intensity 1'
+rows() { # says which rows of the bake's table have numbers
+	awk '/^thesis/ { on = 1 } on && NF == 0 { exit }
+		on && /^(static|dynamic|shadows)/ { print $1, ($2 == "-" ? "-" : "ms") }' said.txt
+}
+light() { # arguments...
+	glowworm bake "$@" -q --estimate-points 0 --bounces 1 --profile 2>said.txt || cat said.txt
+	rows
+}
+light box.ply --light "$lamp" -o lit.ply
+light box.ply --light "$lamp" --shadows none -o open.ply
+echo == a lamp stands still while a cube moves
+cat >moving.json <<-EOF
+	{"version": 1, "frames": 2, "inputs": [{"file": "box.ply"}, {"file": "box.ply",
+	 "path": [{"frame": 0, "scale": 0.1}, {"frame": 1, "scale": 0.1, "move": [0.1, 0, 0]}]}],
+	 "lights": [{"type": "point", "position": [0.5, 0.4, 0.7], "intensity": [1, 1, 1]}]}
+EOF
+glowworm bake moving.json -q --frames all --estimate-points 0 --bounces 1 --profile -o moved.ply \
+	2>both.txt || cat both.txt
+awk '/^(static|dynamic)/ { print $1, ($2 == "-" ? "-" : "ms") }' both.txt
+
+echo == pictures
+camera='at 0.5,-1.6,0.5 to 0.5,0.5,0.5 fov 40'
+for radiance in points trilinear tricubic; do
+	glowworm render lit.ply -q -f -o p.png --size 64x48 --camera "$camera" --radiance $radiance \
+		--profile 2>said.txt || cat said.txt
+	# Each of the three numbers is rounded to 0.1, by up to 0.05.
+	awk '/^thesis/ { on = 1 }
+		on && /^(g-pass|ds|final)/ { print $1; sum += ($1 == "final" ? -$2 : $2) }
+		on && /^G-buffer/ { print $1, $3 }
+		END { if (sum > 0.151 || sum < -0.151) print "final is off by", sum, "ms" }' said.txt
+done
