@@ -155,6 +155,7 @@ bool lit_report_read(torture_case *c, const char *row, const char *name, lit_rep
 	const json_t *bounces = json_object_get(root, "bounces");
 	for (size_t i = 0; i < json_array_size(bounces) && i < REPORT_BOUNCES; i++)
 		report->energy[report->bounces++] = member(json_array_get(bounces, i), NULL, "energy");
+	report->records = member(root, NULL, "records");
 	report->error = member(root, "error", "relative_rms");
 	report->spread = member(root, "error", "spread");
 	report->remaining = member(root, NULL, "remaining");

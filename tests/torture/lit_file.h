@@ -27,7 +27,7 @@ double lit_file_mean(const lit_file *lit, size_t first, size_t end);
 typedef struct lit_report {
 	double energy[REPORT_BOUNCES]; /* sent out after each bounce */
 	size_t bounces;
-	double error, spread, remaining, depth, leaf_size, spacing, left_out;
+	double records, error, spread, remaining, depth, leaf_size, spacing, left_out;
 } lit_report;
 
 bool lit_report_read(torture_case *c, const char *row, const char *name, lit_report *report);
