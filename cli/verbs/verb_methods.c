@@ -26,6 +26,16 @@ static const way ways[] = {
 	  .source = "Salm 2015, Point Cloud Based Interactive Global Illumination, 4.4.3; Ward and "
 				"Heckbert 1992, Irradiance Gradients",
 	  .good_for = "light whose error is to be known and small" },
+	{ .name = "region",
+	  .call = "bake --region REGION",
+	  .place = "as rays in the region; four times as far apart on what its rays meet, and on what "
+			   "the rays from there meet; nowhere else",
+	  .trace = "as rays",
+	  .basis = "as rays",
+	  .read_back = "as rays, at the points of the region",
+	  .source = "the dependency analysis of Harada, A Point-based Global Illumination Rendering "
+				"Pipeline for Environment Lighting",
+	  .good_for = "one chamber, or one view, of a large scan" },
 	{ .name = "cones",
 	  .call = "bake --method cones",
 	  .place = "as rays",
