@@ -38,7 +38,7 @@ typedef struct gw_probes_options {
 	uint32_t moves; /* how often Gibbs sampling tries to move one, so that fewer do, or see better;
 					   0: never */
 	uint32_t grid;  /* 0; or probes a side of a regular grid over the bounds, at the middles of its
-					   cells, in place of chosen ones; those in or at surface are left out */
+					   cells, in place of chosen ones; those at surface or behind it are left out */
 	float margin;   /* metres, at least 0: how far outside the bounds of the points they may be */
 	uint64_t seed;  /* of all random numbers */
 } gw_probes_options;

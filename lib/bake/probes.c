@@ -207,7 +207,8 @@ static gw_status choose(placing *p, gw_error *error)
 		p->ball_count);
 }
 
-/* Middles of the cells of a regular grid over the bounds, but for those in or at the surface. */
+/* Middles of the cells of a regular grid over the bounds, but for those at the surface or behind
+ * it. */
 static gw_status choose_grid(placing *p, gw_error *error)
 {
 	const gw_octree *o = &p->scene->octree;
@@ -225,7 +226,8 @@ static gw_status choose_grid(placing *p, gw_error *error)
 			to[k] = (at[k] - o->cube_minimum[k]) / o->leaf_size;
 		}
 		to[3] = 0.0f;
-		p->places.count += gw_free_distance(p->search, at) >= p->room.least;
+		p->places.count += gw_free_distance(p->search, at) >= p->room.least &&
+						   !gw_free_is_behind(p->room.surfels, p->search, at);
 	}
 	p->places.first = p->places.count;
 	if (p->places.count > 0)
