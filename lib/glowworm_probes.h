@@ -22,6 +22,9 @@ extern "C" {
 #define GW_PROBE_SIZE_LEAST 4u
 #define GW_PROBE_SIZE_MOST 1024u
 
+/* Probes a side of a regular grid, at most. */
+#define GW_PROBE_GRID_MOST 64u
+
 /* Distance in directions in which nothing is, metres: the largest number that a 16-bit float holds.
  * Longer distances count as that. */
 #define GW_PROBE_FAR 65504.0f
@@ -34,6 +37,8 @@ typedef struct gw_probes_options {
 	uint32_t count; /* probes at most; 0: until they see all that any place for one sees */
 	uint32_t moves; /* how often Gibbs sampling tries to move one, so that fewer do, or see better;
 					   0: never */
+	uint32_t grid;  /* 0; or probes a side of a regular grid over the bounds, at the middles of its
+					   cells, in place of chosen ones; those at surface or behind it are left out */
 	float margin;   /* metres, at least 0: how far outside the bounds of the points they may be */
 	uint64_t seed;  /* of all random numbers */
 } gw_probes_options;
@@ -104,6 +109,32 @@ typedef struct gw_probes {
  */
 gw_status gw_probes_make(gw_lighting *lighting, const gw_probes_options *options,
 						 gw_probes **probes, gw_error *error);
+
+/* What a place sees in a direction, by the maps of probes. */
+typedef struct gw_probe_look {
+	float radiance[3];
+	double distance; /* metres to what is seen; GW_PROBE_FAR where nothing is */
+	int32_t probe;  /* whose map shows it, or -1: no probe that serves the place sees that far along
+					   the ray, and the radiance is what the best of them sees in that direction */
+	uint32_t steps; /* texels of all sizes that were looked at */
+} gw_probe_look;
+
+/*
+ * Looks from a place along a ray, in the maps of the probes that serve its cell, the best first,
+ * or of the nearest ones where none does
+ * (Wang 2018, section 4.3): the ray is a straight line in each octant of an octahedral map, and is
+ * followed from texel to texel until it meets the plane of one. A texel of a smaller map whose
+ * least distance is beyond the ray is stepped over as a whole, and the ray is lost to a probe where
+ * it goes behind what that sees: the next one takes it from there.
+ *
+ *   from        metres, in the coordinates of gw_points.position
+ *   direction   unit
+ *   mips        whether smaller maps are used; the result is the same but for roundings
+ *   look        receives what is seen
+ * Thread-safe.
+ */
+void gw_probes_look(const gw_probes *probes, const double from[3], const float direction[3],
+					bool mips, gw_probe_look *look);
 
 /* Frees probes and sets *probes to NULL; an empty handle is accepted. */
 void gw_probes_destroy(gw_probes **probes);

@@ -296,6 +296,10 @@ const option options[] = {
 	  .help =
 		  "how often it is tried to move a probe, so that fewer see as much, or so that they see "
 		  "more, from in front and from afar" },
+	{ "grid", 0, "N", OPTION_COUNT, FOR(PROBES), AT(probes.grid), RANGE(1.0, GW_PROBE_GRID_MOST),
+	  .automatic = "none", .automatic_value = 0.0, .group = "Probes",
+	  .help = "put N x N x N probes in a regular grid, as engines do, to compare with: at the "
+			  "middles of its cells, but for those at surface or behind it" },
 	{ "margin", 0, "X", OPTION_REAL, FOR(PROBES), AT(probes.margin), RANGE(0.0, 1e9),
 	  .group = "Probes",
 	  .help = "metres by which probes may stand outside the bounds of the points" },

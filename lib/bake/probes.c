@@ -48,6 +48,10 @@ gw_status gw_probes_options_check(const gw_probes_options *o, gw_error *error)
 	if (!isfinite(o->margin) || o->margin < 0.0f)
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "the margin of probes is %g; give metres of at least 0", (double)o->margin);
+	if (o->grid > GW_PROBE_GRID_MOST)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "a grid of probes has %u a side; give at most %u, or 0 for none", o->grid,
+					   GW_PROBE_GRID_MOST);
 	return GW_OK;
 }
 
@@ -140,7 +144,7 @@ typedef struct placing {
 	gw_probe_places places;
 } placing;
 
-static gw_status find_balls(placing *p, gw_error *error)
+static gw_status open_room(placing *p, gw_error *error)
 {
 	gw_scene *scene = p->scene;
 	const gw_surfels *s = &scene->surfels;
@@ -157,6 +161,12 @@ static gw_status find_balls(placing *p, gw_error *error)
 		p->room.minimum[k] = s->minimum[k] - margin;
 		p->room.maximum[k] = s->maximum[k] + margin;
 	}
+	return GW_OK;
+}
+
+static gw_status find_balls(placing *p, gw_error *error)
+{
+	gw_scene *scene = p->scene;
 	GW_TRY(gw_free_balls_find(&p->room, &p->ball, &p->ball_count, error));
 	if (p->ball_count > 0)
 		return GW_OK;
@@ -195,6 +205,37 @@ static gw_status choose(placing *p, gw_error *error)
 		"there is no free space for a probe: from none of %zu places any surface is seen "
 		"from in front; look at the normals",
 		p->ball_count);
+}
+
+/* Middles of the cells of a regular grid over the bounds, but for those at the surface or behind
+ * it. */
+static gw_status choose_grid(placing *p, gw_error *error)
+{
+	const gw_octree *o = &p->scene->octree;
+	const uint32_t side = p->options->grid;
+	p->ball_count = (size_t)side * side * side;
+	p->places.place = gw_allocate_array(p->ball_count, 4 * sizeof *p->places.place);
+	if (!p->places.place)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for a grid of %zu probes", p->ball_count);
+	for (size_t i = 0; i < p->ball_count; i++) {
+		const size_t cell[3] = { i % side, i / side % side, i / side / side };
+		float *to = p->places.place + 4 * (size_t)p->places.count, at[3];
+		for (int k = 0; k < 3; k++) {
+			at[k] = p->room.minimum[k] + ((float)cell[k] + 0.5f) / (float)side *
+											 (p->room.maximum[k] - p->room.minimum[k]);
+			to[k] = (at[k] - o->cube_minimum[k]) / o->leaf_size;
+		}
+		to[3] = 0.0f;
+		p->places.count += gw_free_distance(p->search, at) >= p->room.least &&
+						   !gw_free_is_behind(p->room.surfels, p->search, at);
+	}
+	p->places.first = p->places.count;
+	if (p->places.count > 0)
+		return GW_OK;
+	return gw_fail(error, GW_ERROR_DATA,
+				   "of %zu probes in a regular grid none stands in free space, %.3g m from all "
+				   "surface; ask for a finer one, or for a margin",
+				   p->ball_count, ldexp((double)p->room.least, -p->scene->units.length));
 }
 
 /* The share of the surface that is seen, at spots that nobody chose by. */
@@ -288,12 +329,20 @@ static void describe(const placing *p, gw_probes *probes)
 
 static gw_status place(placing *p, gw_probes *probes, gw_error *error)
 {
-	GW_TRY(find_balls(p, error));
-	GW_TRY(choose(p, error));
+	GW_TRY(open_room(p, error));
+	if (p->options->grid > 0) {
+		GW_TRY(choose_grid(p, error));
+	} else {
+		GW_TRY(find_balls(p, error));
+		GW_TRY(choose(p, error));
+	}
 	GW_TRY(check_room(p->scene, p->places.count, p->options->size, error));
 	GW_TRY(allocate(p->places.count, p->options->size, probes, error));
 	describe(p, probes);
-	return measure(p, &probes->seen, error);
+	GW_TRY(measure(p, &probes->seen, error));
+	if (p->options->grid > 0)
+		probes->seeable = probes->seen;
+	return GW_OK;
 }
 
 /* ------------------------------------------------------------------------------- what they see */

@@ -58,6 +58,16 @@ float gw_free_distance(gw_neighbours *search, const float place[3])
 	return list.count > 0 ? list.distance[0] : 0.0f;
 }
 
+bool gw_free_is_behind(const gw_surfels *s, gw_neighbours *search, const float place[3])
+{
+	gw_neighbour_list list = nearest_to(search, gw_xyz(place));
+	if (list.count == 0 || s->two_sided[list.index[0]] != 0)
+		return false;
+	const size_t nearest = list.index[0];
+	return gw_dot(gw_minus(gw_xyz(place), gw_xyz(s->position + 3 * nearest)),
+				  gw_xyz(s->normal + 3 * nearest)) < 0.0f;
+}
+
 /* The ball in front of a surfel; without radius where there is none. */
 static gw_free_ball shrink(const gw_free_ball_task *task, size_t surfel, float side)
 {

@@ -37,4 +37,8 @@ gw_status gw_free_balls_find(const gw_free_ball_task *task, gw_free_ball **balls
 /* The distance from a place, metres in the surfels' frame, to the nearest surfel. Thread-safe. */
 float gw_free_distance(gw_neighbours *search, const float place[3]);
 
+/* Does a place, as above, lie behind the surfel that is nearest to it? Not where that has two
+ * sides. Thread-safe. */
+bool gw_free_is_behind(const gw_surfels *surfels, gw_neighbours *search, const float place[3]);
+
 #endif

@@ -74,10 +74,14 @@ END
 # Coordinates in feet stay in feet, and what is far from the origin stays there.
 glowworm probes rooms.ply --rays 16 --moves 0 -q --count 1 --units ft --size 4 --json feet.json
 sed -n '/"position"/p' feet.json | head -1 | grep -c position
+# A regular grid of eight, of which those in the wall between the rooms are left out.
+place --grid 2 --size 4 --json grid.json
+/usr/bin/python3 -c 'import json; t = json.load(open("grid.json")); \
+print("grid", t["places"], 1 <= len(t["probes"]) <= 8, t["seen"] == t["seeable"])'
 for bad in '' '-o p.exr' '-o p.exr --count 0' '-o p.exr --size 48' '-o p.exr --size 2' \
 	'-o p.exr --margin=-1' '-o one.exr' '-o rooms.ply -f' '-o - --json -' '-o p.exr --moves x' \
 	'--picture p.png --camera nowhere' '--picture one.exr' '--picture - -o -' \
-	'--picture furnace.png'; do
+	'--picture furnace.png' '-o p.exr --grid 0' '-o p.exr --grid 65'; do
 	input=rooms.ply
 	[ "$bad" != '-o p.exr' ] || input=
 	glowworm probes $input --rays 16 $bad 2>&1

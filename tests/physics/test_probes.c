@@ -280,8 +280,8 @@ static void half_sky(void **state)
 {
 	(void)state;
 	scene s = { 0 };
-	scene_add_patch(&s, (double[3]){ -2, -2, 0 }, (double[3]){ 4, 0, 0 }, (double[3]){ 0, 4, 0 },
-					128, 128, 0.0f);
+	const double corner[3] = { -2, -2, 0 }, x[3] = { 4, 0, 0 }, y[3] = { 0, 4, 0 };
+	scene_add_patch(&s, &(scene_patch){ corner, x, y, 128, 128 }, 0.0f);
 	const gw_light even = { .type = GW_LIGHT_ENVIRONMENT, .radiance = { 1, 2, 4 } };
 	const gw_bake_options bake = bake_options(1);
 	gw_probes_options options = gw_probes_options_default();
@@ -345,6 +345,99 @@ static void boxes(void **state)
 	assert_int_equal(m.probes->count, 1);
 	assert_near("seen by one", m.probes->seen, 0.5, 0.01);
 	gw_probes_destroy(&m.probes);
+	scene_clear(&s);
+}
+
+/* How far it is from a place in a box of side 1 to its wall. */
+static double way_out(const double from[3], const float way[3])
+{
+	double least = 10.0;
+	for (int k = 0; k < 3; k++)
+		if (way[k] != 0.0f)
+			least = fmin(least, ((way[k] > 0.0f ? 1.0 : 0.0) - from[k]) / (double)way[k]);
+	return least;
+}
+
+/* What is seen of a box by the maps of a probe, with smaller maps and without. */
+typedef struct looks {
+	size_t rays, near, same; /* near: met within a leaf of the wall; same: by both ways */
+	double steps[2];
+} looks;
+
+static void look_around(const gw_probes *p, double leaf_size, looks *sum)
+{
+	uint32_t state = 12345;
+	for (sum->rays = 0; sum->rays < 4000; sum->rays++) {
+		double from[3], length = 0.0;
+		float way[3];
+		for (int k = 0; k < 3; k++) {
+			state = state * 1664525u + 1013904223u;
+			from[k] = 0.02 + 0.96 * (state >> 8) / 16777216.0;
+			state = state * 1664525u + 1013904223u;
+			way[k] = (float)(state >> 8) / 8388608.0f - 1.0f;
+			length += (double)(way[k] * way[k]);
+		}
+		for (int k = 0; k < 3; k++)
+			way[k] /= (float)sqrt(length);
+		gw_probe_look look[2];
+		for (int i = 0; i < 2; i++) {
+			gw_probes_look(p, from, way, i == 0, &look[i]);
+			sum->steps[i] += look[i].steps;
+			assert_true(look[i].radiance[0] > 0.0f);
+		}
+		sum->near += fabs(look[0].distance - way_out(from, way)) < leaf_size;
+		sum->same +=
+			look[0].probe == look[1].probe && fabs(look[0].distance - look[1].distance) < 1e-6;
+	}
+}
+
+/*
+ * Any ray in an empty box ends at its wall, which one probe sees all of. Walls are flat, and so are
+ * texels: exact but where a texel shows two walls, along edges that are 12 times less than 1.6 wide
+ * (an edge from its side's middle is 2 asin(sqrt(1/3)) = 1.23), by 2 texels of up to 3.5 / 64: a
+ * tenth of 4 pi. Smaller maps skip what is not there, and nothing else.
+ */
+static void looks_in_a_box(void **state)
+{
+	(void)state;
+	scene s = { 0 };
+	scene_add_box(&s, (double[3]){ 0, 0, 0 }, (double[3]){ 1, 1, 1 }, 32, 0.5f);
+	const gw_light lamp = scene_point_light(0.5, 0.5, 0.7, 1.0f);
+	const gw_bake_options bake = bake_options(2);
+	gw_probes_options options = gw_probes_options_default();
+	looks sum = { 0 };
+	made m = make_good(&s, &bake, &lamp, &options);
+	look_around(m.probes, m.leaf_size, &sum);
+	if (!((double)sum.near > 0.9 * (double)sum.rays && (double)sum.same > 0.999 * (double)sum.rays))
+		fail_msg("of %zu rays %zu meet the wall, %zu alike", sum.rays, sum.near, sum.same);
+	if (!(sum.steps[0] < sum.steps[1]))
+		fail_msg("%g steps, %g without smaller maps", sum.steps[0] / 4000, sum.steps[1] / 4000);
+	gw_probes_destroy(&m.probes);
+	scene_clear(&s);
+}
+
+/* A regular grid: two a side of a box are eight, at the middles of its eighths.
+ * The points' bounds are those of the box but for half a step of theirs, 1 / 64. */
+static void grids(void **state)
+{
+	(void)state;
+	scene s = { 0 };
+	scene_add_box(&s, (double[3]){ 0, 0, 0 }, (double[3]){ 1, 1, 1 }, 32, 0.5f);
+	const gw_light lamp = scene_point_light(0.5, 0.5, 0.7, 1.0f);
+	const gw_bake_options bake = bake_options(1);
+	gw_probes_options options = gw_probes_options_default();
+	options.grid = 2;
+	options.size = 8;
+	made m = make_good(&s, &bake, &lamp, &options);
+	assert_int_equal(m.probes->count, 8);
+	for (size_t i = 0; i < 8; i++)
+		for (int k = 0; k < 3; k++)
+			assert_near("place", m.probes->probe[i].position[k], i >> k & 1 ? 0.75 : 0.25, 0.02);
+	assert_true(m.probes->seen > 0.98 && m.probes->seeable == m.probes->seen);
+	gw_probes_destroy(&m.probes);
+	options.grid = GW_PROBE_GRID_MOST + 1;
+	m = make_probes(&s, &bake, &lamp, &options);
+	assert_int_equal(m.status, GW_ERROR_USAGE);
 	scene_clear(&s);
 }
 
@@ -422,6 +515,7 @@ int main(void)
 		cmocka_unit_test(furnace),         cmocka_unit_test(white_furnace),
 		cmocka_unit_test(half_furnace),    cmocka_unit_test(sky),
 		cmocka_unit_test(half_sky),        cmocka_unit_test(boxes),
+		cmocka_unit_test(grids),           cmocka_unit_test(looks_in_a_box),
 		cmocka_unit_test(same_every_time), cmocka_unit_test(solid),
 		cmocka_unit_test(refused),
 	};
