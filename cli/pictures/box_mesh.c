@@ -7,6 +7,9 @@
 /* Faces whose vertices 32 bits can count. */
 #define FACES_MAX ((size_t)UINT32_MAX / 4)
 
+/* Thickness of a frame's bars, as a share of the box. */
+#define BAR 0.04f
+
 static gw_status grow(box_mesh *m, gw_error *error)
 {
 	size_t room = m->face_room ? 2 * m->face_room : 1024;
@@ -49,45 +52,51 @@ static gw_status add_quad(box_mesh *m, float corner[4][3], const float color[3],
 	return GW_OK;
 }
 
-/* One side of a box. */
-static gw_status add_face(box_mesh *m, const float low[3], const float size[3],
-						  const float color[3], unsigned face, bool lines, gw_error *error)
+/* What the sides of a box have in common. */
+typedef struct box {
+	float low[3], size[3];
+	const float *color;
+	bool lines;
+} box;
+
+static gw_status add_face(box_mesh *m, const box *b, unsigned face, gw_error *error)
 {
 	static const unsigned place[4][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 1 } };
 	unsigned axis = face / 2, u = (axis + 1) % 3, v = (axis + 2) % 3;
 	bool front = face % 2 == 0;
 	float corner[4][3];
 	for (size_t c = 0; c < 4; c++) {
-		corner[c][axis] = low[axis] + (front ? size[axis] : 0.0f);
-		corner[c][u] = low[u] + (place[c][front ? 0 : 1] ? size[u] : 0.0f);
-		corner[c][v] = low[v] + (place[c][front ? 1 : 0] ? size[v] : 0.0f);
+		corner[c][axis] = b->low[axis] + (front ? b->size[axis] : 0.0f);
+		corner[c][u] = b->low[u] + (place[c][front ? 0 : 1] ? b->size[u] : 0.0f);
+		corner[c][v] = b->low[v] + (place[c][front ? 1 : 0] ? b->size[v] : 0.0f);
 	}
-	return add_quad(m, corner, color, lines, error);
+	return add_quad(m, corner, b->color, b->lines, error);
 }
 
 gw_status box_mesh_add(box_mesh *m, const float low[3], float size, const float color[3],
 					   unsigned faces, gw_error *error)
 {
-	const float sides[3] = { size, size, size };
+	const box cube = { { low[0], low[1], low[2] }, { size, size, size }, color, true };
 	for (unsigned face = 0; face < 6; face++)
 		if (faces & 1u << face)
-			GW_TRY(add_face(m, low, sides, color, face, true, error));
+			GW_TRY(add_face(m, &cube, face, error));
 	return GW_OK;
 }
 
-gw_status box_mesh_add_edge(box_mesh *m, const float low[3], float size, unsigned edge, float width,
+gw_status box_mesh_add_edge(box_mesh *m, const float low[3], float size, unsigned edge,
 							const float color[3], gw_error *error)
 {
 	unsigned axis = edge / 4, u = (axis + 1) % 3, v = (axis + 2) % 3;
-	float corner[3], sides[3] = { width, width, width };
+	const float width = BAR * size;
+	box bar = { .size = { width, width, width }, .color = color };
 	for (unsigned k = 0; k < 3; k++)
-		corner[k] = low[k] - 0.5f * width;
-	corner[u] += edge & 1u ? size : 0.0f;
-	corner[v] += edge & 2u ? size : 0.0f;
-	sides[axis] = size + width;
+		bar.low[k] = low[k] - 0.5f * width;
+	bar.low[u] += edge & 1u ? size : 0.0f;
+	bar.low[v] += edge & 2u ? size : 0.0f;
+	bar.size[axis] = size + width;
 	for (unsigned face = 0; face < 6; face++) /* ends meet those of others */
 		if (face / 2 != axis)
-			GW_TRY(add_face(m, corner, sides, color, face, false, error));
+			GW_TRY(add_face(m, &bar, face, error));
 	return GW_OK;
 }
 

@@ -25,14 +25,13 @@ gw_status box_mesh_add(box_mesh *mesh, const float low[3], float size, const flo
 					   unsigned faces, gw_error *error);
 
 /*
- * Adds one of the twelve edges of a cube, as a bar around it. It has no lines of its own.
- *   low     the cube's corner, metres in the surfels' frame
- *   edge    0 to 11: axis along which it goes, times four, and which of the four
- *   width   of the bar, metres
+ * Adds one of the twelve edges of a cube, as a thin bar around it. It has no lines of its own.
+ *   low    the cube's corner, metres in the surfels' frame
+ *   edge   0 to 11: axis along which it goes, times four, and which of the four
  * GW_ERROR_MEMORY.
  */
 gw_status box_mesh_add_edge(box_mesh *mesh, const float low[3], float size, unsigned edge,
-							float width, const float color[3], gw_error *error);
+							const float color[3], gw_error *error);
 
 /*
  * Adds a disc, as an octagon around its circle's points.

@@ -17,9 +17,6 @@
 /* Side of a record's box, in spacings of the points. */
 #define RECORD_SIZE 1.0f
 
-/* Thickness of a frame's bars, as a share of the box. */
-#define BAR 0.04f
-
 /* Pixels that an edge is wide; cells below three times that have none. */
 #define EDGE 1.2f
 
@@ -203,8 +200,7 @@ static gw_status add_border_frames(octree_view *v, gw_render_octree *octree, gw_
 		corner_of(&tiles, cell, low);
 		for (unsigned edge = 0; edge < 12 && status == GW_OK; edge++)
 			if (owns_edge(&tiles, cell, edge))
-				status = box_mesh_add_edge(&v->boxes, low, tiles.size, edge, BAR * tiles.size, grey,
-										   error);
+				status = box_mesh_add_edge(&v->boxes, low, tiles.size, edge, grey, error);
 	}
 	v->shown += tiles.count;
 	gw_cells_clear(&tiles);
@@ -251,7 +247,7 @@ static gw_status add_sample(octree_view *v, const gw_surfels *s, size_t i, float
 		color[k] = 0.5f + 0.5f * normal[k];
 	}
 	for (unsigned edge = 0; edge < 12; edge++)
-		GW_TRY(box_mesh_add_edge(&v->boxes, low, side, edge, BAR * side, grey, error));
+		GW_TRY(box_mesh_add_edge(&v->boxes, low, side, edge, grey, error));
 	return box_mesh_add_disc(&v->boxes, centre, normal, 0.5f * side * s->normal_length[i], color,
 							 error);
 }
