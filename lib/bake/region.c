@@ -69,6 +69,16 @@ static double depth_around(const gw_gbuffer *picture, double x, double y)
 	return farthest;
 }
 
+/* Moves what is less than `reach` outside of 0 to `size` to the border; false if it is farther. */
+static bool bring_inside(double *at, double size, double reach)
+{
+	if (!(*at > -reach && *at < size + reach))
+		return false;
+	*at = fmin(fmax(*at, 0.0), size - 1.0);
+	return true;
+}
+
+/* Whether a point is in the picture, or next to it with a disc that is, and nothing before it. */
 static bool is_seen(const gw_scene *scene, const gw_gbuffer *picture, size_t surfel)
 {
 	const gw_surfels *s = &scene->surfels;
@@ -82,7 +92,8 @@ static bool is_seen(const gw_scene *scene, const gw_gbuffer *picture, size_t sur
 	double pixel = 2.0 * camera->tangent / picture->height; /* at distance 1 */
 	double x = 0.5 * picture->width + view[0] / view[2] / pixel;
 	double y = 0.5 * picture->height - view[1] / view[2] / pixel;
-	if (!(x >= 0.0 && y >= 0.0 && x < picture->width && y < picture->height))
+	double reach = (double)s->radius[surfel] / (view[2] * pixel);
+	if (!bring_inside(&x, picture->width, reach) || !bring_inside(&y, picture->height, reach))
 		return false;
 	double behind = BEHIND_RADII * (double)s->radius[surfel] + BEHIND_PIXELS * pixel * view[2];
 	return view[2] <= depth_around(picture, x, y) + behind;

@@ -18,10 +18,15 @@ printf '{"version": 1, "inputs": [{"file": "box.ply"}],
 "bake": {"region": "box 0.3,1,1 0,0,0"}}\n' >part.scene.json
 glowworm bake part.scene.json -q -o key.ply
 [ "$(body part.ply)" = "$(body key.ply)" ] && echo "by a key: the same"
-# From the middle, a quarter of the way up and down is seen of the wall 0.5 m away, of 1 m.
+# From the middle, an eighth of a metre up and down is seen of the wall 0.5 m away, and what reaches
+# into that: discs are no wider than two spacings of 0.032 m. The tall box lies right before the
+# camera.
 bake -o seen.ply --region 'camera at 0.5,0.5,0.5 to 1,0.5,0.5 fov 28.072'
-points seen.ply |
-	awk '$1 < 0.999 || ($3 - 0.5) * ($3 - 0.5) > 0.0159 { n++ } END { print (NR > 50), n + 0 }'
+points seen.ply | awk '
+	$1 < 0.51 { next }
+	$1 < 0.999 || ($3 - 0.5) * ($3 - 0.5) > 0.189 * 0.189 { n++ }
+	($3 - 0.5) * ($3 - 0.5) > 0.126 * 0.126 { around++ }
+	END { print (NR > 50), n + 0, (around > 0) }'
 # What is close together, and the light of each lamp by itself, go with it.
 bake -o lamps.ply --region 'box 0,0,0 0.3,1,1' --fields lights,error --max-error 0.2 \
 	--light 'point name lamp at 0.5,0.5,0.5 intensity 3'
