@@ -633,7 +633,10 @@ const option options[] = {
 	  .help = "say which effects the scene calls for, why, and what the bake will take; and in the "
 			  "end what it took. Foretelling takes a while of its own" },
 	{ "profile", 0, NULL, OPTION_FLAG, QUIETLY, FOR(BAKE | RENDER), AT(profile),
-	  .group = "Messages", .help = "show time and memory of each stage" },
+	  .group = "Messages",
+	  .help =
+		  "show time and memory of each stage, and the rows of Salm's thesis, where shadows are "
+		  "all of direct light" },
 	{ "print-scene", 0, NULL, OPTION_FLAG, QUIETLY, FOR(BAKE), AT(print_scene), .group = "Messages",
 	  .help = "print the scene with all values in effect, as a scene file, and stop" },
 	{ "quiet", 'q', NULL, OPTION_FLAG, QUIETLY,
