@@ -368,6 +368,13 @@ typedef struct gw_bake_options {
 	uint32_t least_records; /* where there would be fewer, records stand closer, but for this never
 							   nearer than 0.8 leaf cells: light is not even between few. 0: as they
 							   come */
+	uint32_t most_records;  /* where there would be more, records stand farther apart at first, and
+							   more are put where they disagree, nowhere nearer than record_spacing,
+							   until gathered_error is reached: so light costs no more where points
+							   are many. 0: as they come, as they also do in frames, regions, with a
+							   transport, in prepared scenes, and where rays do not gather */
+	float gathered_error;   /* of gathered light, relative, that is small enough there; 0 adds none,
+							   below 1 */
 	uint32_t estimate_points; /* points solved again to estimate the error; where records are many,
 								 one for 20 of them, up to four times as many. Three times as many
 								 anew before max_error counts as reached. 0 makes no estimate */
@@ -426,8 +433,8 @@ typedef enum gw_quality {
 	GW_QUALITY_COUNT
 } gw_quality;
 
-/* Sets record_spacing, least_records, rays, light_samples, cones and leaf_spacing; the rest stays.
- */
+/* Sets record_spacing, least_records, most_records, gathered_error, rays, light_samples, cones and
+ * leaf_spacing; the rest stays. */
 void gw_bake_options_set_quality(gw_bake_options *options, gw_quality quality);
 
 /* Sets the same to those with which a bake that refines best begins: few records, which show where
@@ -538,7 +545,8 @@ typedef struct gw_price {
 	double seconds; /* that a bake with it would take; 0 where that is not known */
 } gw_price;
 
-/* One round of a bake that refines: with which settings it solved, and how well. */
+/* One round of a bake that refines, or that adds to its most_records: with which settings it
+ * solved, and how well. */
 typedef struct gw_round {
 	float record_spacing, leaf_spacing;
 	uint32_t rays, light_samples, cones;
@@ -550,7 +558,7 @@ typedef struct gw_round {
 
 /* How a bake that refines came to its end. */
 typedef enum gw_goal {
-	GW_GOAL_NONE,      /* it was not to refine */
+	GW_GOAL_NONE,      /* it was given neither an error nor a time, and had the memory it wanted */
 	GW_GOAL_REACHED,   /* the error is as small as asked */
 	GW_GOAL_TIME,      /* the next round would not have ended in time */
 	GW_GOAL_EXHAUSTED, /* nothing is left that can be refined */

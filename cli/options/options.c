@@ -570,6 +570,15 @@ const option options[] = {
 	  .scene = true, AT(bake.least_records), RANGE(0.0, 1e9), .group = "Light",
 	  .help = "records of which a small cloud has at least so many: they stand closer than "
 			  "--record-spacing where that leaves fewer, unless that is given by itself" },
+	{ "most-records", 0, "N", OPTION_COUNT, FOR(BAKE | PLAN | ALBEDO | PROBES), .scene = true,
+	  AT(bake.most_records), RANGE(0.0, 1e9), .group = "Light",
+	  .help = "records with which a large cloud begins at most, farther apart than "
+			  "--record-spacing: more are put where they disagree, until --gathered-error is "
+			  "reached; 0, or a --record-spacing that is given by itself, places all at once" },
+	{ "gathered-error", 0, "X", OPTION_REAL, FOR(BAKE | PLAN | ALBEDO | PROBES), .scene = true,
+	  AT(bake.gathered_error), RANGE(0.0, 1.0), .group = "Light",
+	  .help = "error of gathered light, relative to the mean, that is small enough where "
+			  "--most-records left some out" },
 	{ "shadow-map-size", 0, "N", OPTION_COUNT, FOR(BAKE | PLAN | TRADEOFF | PROBES), .scene = true,
 	  AT(bake.shadow_map_size), RANGE(16.0, 8192.0), .group = "Light",
 	  .help = "texels a side of a shadow map, for --shadows maps" },

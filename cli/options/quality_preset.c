@@ -3,8 +3,13 @@
 
 #include <string.h>
 
-static const char *const set_by_quality[] = { "record-spacing", "least-records", "rays",
-											  "light-samples",  "cones",         "leaf-spacing" };
+/* With how many records there are, but for the spacing: one that is given by itself says it alone.
+ */
+#define NUMBERS 2
+
+static const char *const set_by_quality[] = { "least-records",  "most-records", "record-spacing",
+											  "gathered-error", "rays",         "light-samples",
+											  "cones",          "leaf-spacing" };
 
 static const option *find(const char *name)
 {
@@ -29,11 +34,10 @@ void quality_preset_apply(settings *s)
 		gw_bake_options_set_quality(&preset.bake, (gw_quality)s->quality);
 	uint8_t spaced = s->given[find("record-spacing") - options];
 	if (wins(s, "record-spacing", source))
-		preset.bake.least_records = 0;
+		preset.bake.least_records = preset.bake.most_records = 0;
 	for (size_t i = 0; i < sizeof set_by_quality / sizeof *set_by_quality; i++) {
 		const option *o = find(set_by_quality[i]);
-		bool least = strcmp(set_by_quality[i], "least-records") == 0;
-		if (wins(s, set_by_quality[i], least && spaced > source ? spaced : source))
+		if (wins(s, set_by_quality[i], i < NUMBERS && spaced > source ? spaced : source))
 			continue;
 		size_t size = o->type == OPTION_COUNT ? sizeof(uint32_t) : sizeof(float);
 		memcpy((char *)s + o->offset, (const char *)&preset + o->offset, size);

@@ -53,6 +53,7 @@ typedef struct bake {
 	uint32_t first_round;      /* the one that placed the first of them */
 	double whole_seconds;      /* that a round would take that does all that this one built on */
 	bool crowded;              /* no more can be */
+	float least_spacing;       /* of a bake that has no target, leaf cells */
 } bake;
 
 /* Begins a stage and books it. All rounds after the first are booked as one. */
@@ -469,6 +470,8 @@ static gw_refine_state state_of(const bake *b, const gw_bake_options *even)
 							  .round_seconds = b->whole_seconds,
 							  .octree_seconds = b->octree_seconds,
 							  .crowded = b->crowded,
+							  .least_spacing = gw_options_refine(even) ? GW_RECORD_SPACING_LEAST
+																	   : b->least_spacing,
 							  .round = b->report->round,
 							  .round_count = b->report->round_count,
 							  .seconds_left = limit > 0.0 ? b->start + limit - now : INFINITY };
@@ -525,15 +528,20 @@ static gw_status confirm(bake *b, gw_error *error)
 	return status;
 }
 
+static void begin_rounds(bake *b, const char *why)
+{
+	book_round(b, gw_seconds() - b->start, why);
+	b->whole_seconds = gw_seconds() - b->round_start;
+	gw_report_stage(b->report, b->scene.gpu, "refining");
+	b->refining = true;
+}
+
 /* Goes on until the target is reached, the time is up, or nothing is left to refine. */
 static gw_status refine(bake *b, gw_error *error)
 {
 	gw_report *r = b->report;
 	gw_status status = GW_OK;
-	book_round(b, gw_seconds() - b->start, "the settings that were given");
-	b->whole_seconds = gw_seconds() - b->round_start;
-	gw_report_stage(r, b->scene.gpu, "refining");
-	b->refining = true;
+	begin_rounds(b, "the settings that were given");
 	while (status == GW_OK && r->goal == GW_GOAL_NONE) {
 		if (!b->light.plan.records)
 			r->goal = GW_GOAL_REACHED;
@@ -549,6 +557,36 @@ static gw_status refine(bake *b, gw_error *error)
 											   : r->error.relative_rms > wanted);
 	if (r->missed && !b->light.plan.records)
 		r->goal = GW_GOAL_EXHAUSTED;
+	b->refining = false;
+	return status;
+}
+
+/* Whether records were placed farther apart than they may stand, and more can be added. */
+static bool has_few_records(const bake *b)
+{
+	const gw_bake_options *o = &b->scene.options;
+	return b->light.plan.records && !has_transport(b) && gw_options_few_records(o) &&
+		   o->gathered_error > 0.0f && b->report->error.points > 0 &&
+		   b->scene.records.spacing > fmaxf(o->record_spacing, GW_RECORD_SPACING_LEAST);
+}
+
+/* Adds records where few disagree, until gathered light is right enough or they stand as close as
+ * they may. */
+static gw_status add_to_few(bake *b, gw_error *error)
+{
+	char why[96];
+	gw_density_wish wish;
+	gw_status status = GW_OK;
+	begin_rounds(b, "few records");
+	b->least_spacing = fmaxf(b->scene.options.record_spacing, GW_RECORD_SPACING_LEAST);
+	while (status == GW_OK && b->report->goal == GW_GOAL_NONE &&
+		   b->report->round_count < GW_REPORT_ROUNDS - 1) {
+		const gw_bake_options even = as_even(b);
+		const gw_refine_state state = state_of(b, &even);
+		if (gw_refine_gathered(&state, &wish, why) != GW_REFINE_ROUND)
+			break;
+		status = refine_records(b, &wish, why, error);
+	}
 	b->refining = false;
 	return status;
 }
@@ -620,6 +658,8 @@ static gw_status run(bake *b, gw_error *error)
 	}
 	if (status == GW_OK && gw_options_refine(&b->scene.options))
 		status = refine(b, error);
+	else if (status == GW_OK && has_few_records(b))
+		status = add_to_few(b, error);
 	if (status == GW_OK) {
 		ray = ray_seconds(b);
 		status = run_steps(b, AFTER_ROUND, STEP_COUNT, error);
@@ -651,6 +691,7 @@ static gw_status bake_in_units(const gw_scaled_scene *scaled, gw_bake_manner man
 		.options = *options,
 		.report = b.report,
 		.lent = manner.device,
+		.adds_records = true,
 	};
 	if (callbacks)
 		b.scene.callbacks = *callbacks;

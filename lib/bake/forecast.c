@@ -114,7 +114,7 @@ static gw_status choose_records(pilot *p, gw_error *error)
 	p->spacing = s->records.spacing;
 	gw_scene_drop_records(s);
 	s->options.record_spacing = gw_pilot_spacing(p->records, p->spacing);
-	s->options.least_records = 0;
+	s->options.least_records = s->options.most_records = 0;
 	uint32_t points = gw_estimate_points(p->asked.estimate_points, (uint32_t)p->records);
 	s->options.estimate_points = points < PILOT_POINTS ? points : PILOT_POINTS;
 	return GW_OK;
@@ -182,10 +182,21 @@ static gw_status run_pilot(pilot *p, gw_error *error)
 
 /* ----------------------------------------------------------------------------- what it tells */
 
+/* What gathered light is brought down to where records are few at first; 0: they are not. */
+static double quality_of_few(const pilot *p)
+{
+	const gw_bake_options *o = &p->asked;
+	bool few = p->lighting->scene->adds_records && gw_options_few_records(o) &&
+			   p->spacing > fmaxf(o->record_spacing, GW_RECORD_SPACING_LEAST);
+	return few ? (double)o->gathered_error : 0.0;
+}
+
 static void foretell_error(const pilot *p, gw_forecast *f)
 {
 	const gw_error_estimate *e = &p->report->error;
-	double power, rest = gw_error_with_records(e, p->ratio, &power);
+	double power, rest = gw_error_with_records(e, p->ratio, &power), enough = quality_of_few(p);
+	if (enough > 0.0 && rest > enough && !gw_options_refine(&p->asked))
+		rest = enough;
 	double others = e->relative_rms * e->relative_rms - e->gathered * e->gathered;
 	f->error = sqrt(rest * rest + fmax(others, 0.0));
 	if (!(f->error > 0.0))
@@ -208,8 +219,14 @@ static double refined_seconds(const pilot *p, const gw_forecast *f, double round
 						   .round_seconds = round - p->ratio * p->place.of_records,
 						   .ray_seconds = p->ratio * p->place.of_records / fmax(rays, 1.0) };
 	task.error.gathered = gw_error_with_records(&p->report->error, p->ratio, &spread);
-	if (o->max_error > 0.0f && f->error > (double)o->max_error)
-		seconds = fmax(seconds, gw_price_of(&task, (double)o->max_error).seconds);
+	double target = (double)o->max_error, enough = quality_of_few(p);
+	bool more = target > 0.0 && f->error > target;
+	if (!gw_options_refine(o) && enough > 0.0) {
+		more = task.error.gathered > enough;
+		target = hypot(enough, gw_error_floor(&task.error));
+	}
+	if (more)
+		seconds = fmax(seconds, gw_price_of(&task, target).seconds);
 	return limit > 0.0 && (seconds > limit || !(o->max_error > 0.0f)) ? fmax(limit, f->seconds)
 																	  : seconds;
 }

@@ -22,7 +22,7 @@ static gw_bake_options few_records(const gw_bake_options *options, const gw_bake
 	gw_bake_options few = gw_half_sample_options(options);
 	if (light->report.record_spacing > 0.0f) {
 		few.record_spacing = light->report.record_spacing / (float)M_SQRT2;
-		few.least_records = 0;
+		few.least_records = few.most_records = 0;
 	}
 	return few;
 }

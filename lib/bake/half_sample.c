@@ -55,7 +55,7 @@ gw_bake_options gw_half_sample_options(const gw_bake_options *options)
 {
 	gw_bake_options plain = *options;
 	plain.estimate_points = 0;
-	plain.max_error = plain.time_limit = 0.0f;
+	plain.max_error = plain.time_limit = plain.gathered_error = 0.0f;
 	plain.voxels = plain.lamps = plain.ambient_occlusion = plain.unknown = plain.errors = false;
 	plain.bent_normals = plain.volume = false;
 	if (plain.gaps == GW_GAPS_OPEN)

@@ -32,6 +32,7 @@ typedef struct density_work {
 	uint32_t *facet_record; /* GW_WEIGHTS * 2 * leaf_count */
 	float *facet_weight;    /* likewise */
 	size_t records, slots;
+	float least; /* spacing, leaf cells */
 } density_work;
 
 /* ------------------------------------------------------------------------------------ factors */
@@ -100,11 +101,11 @@ static void spread_mass(const gw_scene *s, density_work *w)
 /* ------------------------------------------------------------------------------------ spacing */
 
 /* Whether the spacing becomes less. */
-static bool come_closer(float *spacing, double factor)
+static bool come_closer(float *spacing, double factor, float least)
 {
 	float before = *spacing;
 	if (factor > FACTOR_LEAST)
-		*spacing = fminf(fmaxf(before / (float)sqrt(factor), GW_RECORD_SPACING_LEAST), before);
+		*spacing = fminf(fmaxf(before / (float)sqrt(factor), least), before);
 	return *spacing < before;
 }
 
@@ -117,7 +118,7 @@ static void refine_facets(const density_work *w, gw_record_density *density)
 		const float *weight = w->facet_weight + GW_WEIGHTS * slot;
 		for (size_t k = 0; k < GW_WEIGHTS && record[k] != GW_NONE; k++)
 			factor += (double)weight[k] * (double)w->factor[record[k]];
-		density->facet_closer[slot] = come_closer(&density->facet_spacing[slot], factor);
+		density->facet_closer[slot] = come_closer(&density->facet_spacing[slot], factor, w->least);
 	}
 }
 
@@ -128,7 +129,7 @@ static void refine_surfels(const gw_read_back *rows, const density_work *w,
 		double factor = 0.0;
 		for (uint32_t e = rows->first[i]; e < rows->first[i + 1]; e++)
 			factor += (double)rows->weight[e] * (double)w->factor[rows->record[e]];
-		density->surfel_closer[i] = come_closer(&density->surfel_spacing[i], factor);
+		density->surfel_closer[i] = come_closer(&density->surfel_spacing[i], factor, w->least);
 	}
 }
 
@@ -172,6 +173,7 @@ gw_status gw_record_density_refine(const gw_lighting *lighting, const gw_density
 	density_work w;
 	*growth = 1.0;
 	gw_status status = begin(s, density, &w, error);
+	w.least = wish->least;
 	if (status == GW_OK)
 		status = gw_records_light(s->gpu, &s->records, w.light, error);
 	if (status == GW_OK) {
@@ -179,7 +181,7 @@ gw_status gw_record_density_refine(const gw_lighting *lighting, const gw_density
 		spread_mass(s, &w);
 		for (size_t i = 0; i < w.records; i++) {
 			uint32_t facet = s->records.facet[i] & ~GW_RECORD_BACK;
-			float room = density->facet_spacing[facet] / GW_RECORD_SPACING_LEAST;
+			float room = density->facet_spacing[facet] / wish->least;
 			w.most[i] = fminf(fmaxf(room * room, 1.0f), FACTOR_MOST);
 		}
 		gw_density_factors(w.mass, w.most, w.records, wish, w.factor);

@@ -16,6 +16,7 @@
 /* How much denser records may get. */
 typedef struct gw_density_wish {
 	double share;       /* of the mean square error that may be left, above 0 */
+	float least;        /* spacing that records keep in any case, leaf cells, above 0 */
 	double most_growth; /* all records are to become at most so many times as many */
 } gw_density_wish;
 

@@ -144,6 +144,21 @@ static uint32_t rounds_in_vain(const gw_refine_state *state)
 	return vain;
 }
 
+/* Whether the error that is asked for is out of reach, as more stays whatever is paid, and what
+ * else there is would hardly be missed. */
+static bool is_all_that_stays(const gw_refine_state *state)
+{
+	double stays = gw_error_floor(&state->error), wanted = (double)state->options->max_error;
+	return wanted > 0.0 && stays >= wanted && stays > HELPED * state->error.relative_rms;
+}
+
+/* Whether more rounds would be in vain; who gives nothing but time wants it used. */
+static bool would_be_in_vain(const gw_refine_state *state)
+{
+	return state->options->max_error > 0.0f &&
+		   (rounds_in_vain(state) >= VAIN_MOST || is_all_that_stays(state));
+}
+
 /* Of the square error that records can lessen, what is to be left: noise stays, or half of what is
  * wanted is had from the rest. */
 static double share_to_leave(const gw_refine_state *state)
@@ -169,7 +184,7 @@ static bool has_added(const gw_refine_state *state)
 gw_refine_answer gw_refine_records(const gw_refine_state *state, gw_density_wish *wish,
 								   char why[96])
 {
-	if (state->options->max_error > 0.0f && rounds_in_vain(state) >= VAIN_MOST)
+	if (would_be_in_vain(state))
 		return GW_REFINE_STALLED;
 	bool full = state->options->rays >= RAYS_MOST;
 	if (state->crowded || !(state->options->record_spacing > 0.0f) || (is_noisy(state) && !full))
@@ -181,10 +196,38 @@ gw_refine_answer gw_refine_records(const gw_refine_state *state, gw_density_wish
 	double work = fmin(state->seconds_left / fmax(state->round_seconds, 1e-3), most);
 	if (work < WORK_LEAST)
 		return GW_REFINE_NO_TIME;
-	*wish =
-		(gw_density_wish){ .share = fmin(share_to_leave(state), SHARE_MOST), .most_growth = work };
+	*wish = (gw_density_wish){ .share = fmin(share_to_leave(state), SHARE_MOST),
+							   .least = state->least_spacing,
+							   .most_growth = work };
 	snprintf(why, 96, "records disagree most where more were put");
 	return GW_REFINE_ROUND;
+}
+
+/* Whether the last round has added records and gathered light is as wrong as before. */
+static bool has_added_in_vain(const gw_refine_state *state)
+{
+	if (!has_added(state))
+		return false;
+	const gw_round *last = &state->round[state->round_count - 1], *before = last - 1;
+	return last->error.gathered > HELPED * before->error.gathered;
+}
+
+gw_refine_answer gw_refine_gathered(const gw_refine_state *state, gw_density_wish *wish,
+									char why[96])
+{
+	gw_bake_options options = *state->options;
+	gw_refine_state aimed = *state;
+	if (!(state->error.gathered > (double)options.gathered_error))
+		return GW_REFINE_EXHAUSTED;
+	if (has_added_in_vain(state))
+		return GW_REFINE_STALLED;
+	/* An error of all light that leaves gathered light as much as it may have; the estimate's
+	 * spread is not to ask for more records than the quality itself. */
+	options.max_error = (float)hypot((double)options.gathered_error, gw_error_floor(&state->error));
+	aimed.options = &options;
+	aimed.error.spread = 0.0;
+	aimed.round = NULL;
+	return gw_refine_records(&aimed, wish, why);
 }
 
 /* Noise falls with the root of the rays, the rest about as fast as the records come closer. */
@@ -245,8 +288,7 @@ static double seconds_of(const gw_refine_state *state, const gw_bake_options *ne
 
 gw_refine_answer gw_refine_next(const gw_refine_state *state, gw_bake_options *next, char why[96])
 {
-	/* Who gives nothing but time wants it used. */
-	if (state->options->max_error > 0.0f && rounds_in_vain(state) >= VAIN_MOST)
+	if (would_be_in_vain(state))
 		return GW_REFINE_STALLED;
 	growth full = possible_growth(state, wanted_growth(state, why));
 	gw_bake_options option = grown(state, full);

@@ -8,6 +8,9 @@
  * rays, the rest for more records, and when those stand as dense as the leaves, for narrower
  * leaves. When a round did not help, the next one attacks both; when that does not help either,
  * what is left is not a matter of settings and more work would be in vain.
+ *
+ * A bake that has none places few records where points are many, and adds some where these disagree
+ * until gathered light is as right as the quality asks for: gw_refine_gathered.
  */
 #ifndef REFINE_H
 #define REFINE_H
@@ -23,6 +26,7 @@ typedef struct gw_refine_state {
 	bool crowded;                   /* records stand as close as they may */
 	const gw_round *round;          /* round_count rounds so far, this one the last; may be NULL */
 	uint32_t round_count;
+	float least_spacing; /* that added records keep, leaf cells */
 	double seconds_left; /* for the next one; INFINITY where time does not matter */
 } gw_refine_state;
 
@@ -30,12 +34,20 @@ typedef enum gw_refine_answer {
 	GW_REFINE_ROUND,     /* go on with *next */
 	GW_REFINE_NO_TIME,   /* even a small step would take longer than what is left */
 	GW_REFINE_EXHAUSTED, /* all settings are at their limits */
-	GW_REFINE_STALLED,   /* the last two rounds have not lessened the error */
+	GW_REFINE_STALLED,   /* the last two rounds have not lessened the error, or what stays is nearly
+							all   of it */
 } gw_refine_answer;
 
 /* What error->relative_rms plus the spread has to be under; 0 when no target is given. Whether it
  * is. Never where there is no estimate. */
 bool gw_refine_reached(const gw_bake_options *options, const gw_error_estimate *error);
+
+/*
+ * Whether to add records for the light that is gathered, until options->gathered_error is reached
+ * or other settings would have to help; and how many. wish, why   as below
+ */
+gw_refine_answer gw_refine_gathered(const gw_refine_state *state, gw_density_wish *wish,
+									char why[96]);
 
 /*
  * Whether to add records, and how many.

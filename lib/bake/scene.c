@@ -40,6 +40,13 @@ bool gw_options_refine(const gw_bake_options *o)
 	return o->max_error > 0.0f || o->time_limit > 0.0f;
 }
 
+bool gw_options_few_records(const gw_bake_options *o)
+{
+	bool known = o->estimate_points > 0 || !(o->gathered_error > 0.0f);
+	return o->method == GW_METHOD_RAYS && o->record_spacing > 0.0f && !o->region && !o->transport &&
+		   known;
+}
+
 static bool forbids(const gw_bake_options *o, gw_effect_kind effect)
 {
 	return o->effects_forbidden & 1u << effect;
@@ -172,6 +179,7 @@ gw_status gw_options_check(const gw_bake_options *o, const gw_scene_description 
 		{ "record spacing", (double)o->record_spacing, 0, 64 },
 		{ "shadow map size", o->shadow_map_size, 16, 8192 },
 		{ "largest error", (double)o->max_error, 0, 1 },
+		{ "largest error of gathered light", (double)o->gathered_error, 0, 1 },
 		{ "occlusion distance", (double)o->ambient_occlusion_distance, 0, 1e9 },
 		{ "time limit", (double)o->time_limit, 0, 1e9 },
 		{ "method", (double)o->method, 0, GW_METHOD_COUNT - 1 },
@@ -613,7 +621,11 @@ void gw_scene_forget_light(gw_scene *scene)
 gw_record_wish gw_scene_wish_records(const gw_scene *scene, const gw_bake_options *o)
 {
 	bool closer = scene->surfels.count >= RECORDS_POINTS;
-	return (gw_record_wish){ o->record_spacing, closer ? o->least_records : 0, o->seed };
+	bool few = scene->adds_records && gw_options_few_records(o);
+	return (gw_record_wish){ .spacing = o->record_spacing,
+							 .least = closer ? o->least_records : 0,
+							 .most = few ? o->most_records : 0,
+							 .seed = o->seed };
 }
 
 /* Normals that are turned by less on the average, radians, read the same light. */

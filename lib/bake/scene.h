@@ -57,6 +57,7 @@ struct gw_scene {
 	gw_scene_stage stage;
 
 	gw_gpu *gpu;
+	bool adds_records; /* where those that it places disagree: gw_bake_options.most_records */
 	/* NULL, or the address of a device that is handed from bake to bake: opening takes the one
 	 * there, if there is one, and closing puts it back. Not owned. */
 	gw_gpu **lent;
@@ -126,7 +127,8 @@ gw_status gw_options_check(const gw_bake_options *options, const gw_scene_descri
 /* The options with what follows from effects that they forbid: no shadows, one reflection... */
 gw_bake_options gw_options_effective(const gw_bake_options *options);
 
-/* How close records are to stand: by options that may be others than the scene's. */
+/* How close records are to stand: by options that may be others than the scene's. Where it adds
+ * none, as many as these ask for. */
 gw_record_wish gw_scene_wish_records(const gw_scene *scene, const gw_bake_options *options);
 
 /* The volume that options ask for, of the cells that its surfels and records read. */
@@ -138,6 +140,10 @@ bool gw_options_refine(const gw_bake_options *options);
 /* Whether they ask which directions are open, and for anything that record_fields.h collects. */
 bool gw_options_openness(const gw_bake_options *options);
 bool gw_options_record_fields(const gw_bake_options *options);
+
+/* Whether records may be few at first: those that are missing are found by an estimate of the
+ * error, or none are to be added. */
+bool gw_options_few_records(const gw_bake_options *options);
 
 /* Opens the device that the options name. */
 gw_status gw_scene_open_device(gw_scene *scene, gw_error *error);

@@ -130,7 +130,7 @@ static size_t throw_darts(dart_table *table, const gw_place_task *task, const da
 	size_t count = task->kept_count;
 	for (size_t i = 0; i < count; i++)
 		stick(table, task, chosen, i);
-	for (size_t i = 0; i < dart_count; i++) {
+	for (size_t i = 0; i < dart_count && (task->most == 0 || count <= task->most); i++) {
 		if (crowded(table, task, chosen, darts[i].slot))
 			continue;
 		chosen[count] = darts[i].slot;

@@ -19,6 +19,7 @@ typedef struct gw_place_task {
 							 be above 0; the radius shrinks with it. INFINITY: it needs none */
 	const uint32_t *kept; /* kept_count slots that have records already */
 	size_t kept_count;
+	size_t most; /* 0, or to stop as soon as more than so many are chosen */
 	uint64_t seed;
 } gw_place_task;
 

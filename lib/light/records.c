@@ -16,8 +16,10 @@
 /* Radius of influence when every facet is a record, leaf cells. */
 #define RADIUS_DENSE 1.6f
 
-/* By which records move together where they are too few: they become four times as many. */
+/* By which records move together where they are too few: they become four times as many; and apart
+ * where they are too many, at most to this. */
 #define CLOSER 0.5f
+#define SPACING_MOST 64.0f
 
 /* Ends of a visibility test are moved this far off the surface, leaf cells: half a disc's radius.
  */
@@ -265,21 +267,34 @@ static gw_status put_and_list(const gw_record_context *on, gw_error *error)
 	return status;
 }
 
-/* Chooses facets until there are so many, or records stand as close as they may. */
+static gw_status choose_with(const gw_record_context *on, const gw_place_task *task,
+							 gw_error *error)
+{
+	gw_records *r = on->records;
+	free(r->facet);
+	r->facet = NULL;
+	r->spacing = task->spacing;
+	r->radius = fmaxf(GW_FACET_REACH * task->spacing, RADIUS_DENSE);
+	return choose_facets(on->passes->gpu, on->octree, *task, r, error);
+}
+
+/* Chooses facets until there are so many, or records stand as close as they may; or so few. */
 static gw_status choose_spacing(const gw_record_context *on, gw_place_task task, uint32_t least,
 								gw_error *error)
 {
-	gw_records *r = on->records;
-	for (;;) {
-		r->spacing = task.spacing;
-		r->radius = fmaxf(GW_FACET_REACH * task.spacing, RADIUS_DENSE);
-		GW_TRY(choose_facets(on->passes->gpu, on->octree, task, r, error));
-		if (r->count >= least || task.spacing <= GW_RECORD_SPACING_LEAST)
-			return GW_OK;
-		free(r->facet);
-		r->facet = NULL;
+	const gw_records *r = on->records;
+	GW_TRY(choose_with(on, &task, error));
+	while (r->count < least && task.spacing > GW_RECORD_SPACING_LEAST) {
 		task.spacing = fmaxf(task.spacing * CLOSER, GW_RECORD_SPACING_LEAST);
+		GW_TRY(choose_with(on, &task, error));
 	}
+	while (task.most > 0 && r->count > task.most && task.spacing > 0.0f) {
+		task.spacing = fminf(fmaxf(task.spacing / CLOSER, GW_RECORD_SPACING_LEAST), SPACING_MOST);
+		if (task.spacing >= SPACING_MOST)
+			task.most = 0;
+		GW_TRY(choose_with(on, &task, error));
+	}
+	return GW_OK;
 }
 
 /* What *records has of facet weights stays. */
@@ -299,7 +314,7 @@ static gw_status place(const gw_record_context *on, const gw_place_task *task, u
 
 gw_status gw_records_place(const gw_record_context *on, const gw_record_wish *wish, gw_error *error)
 {
-	const gw_place_task task = { .spacing = wish->spacing, .seed = wish->seed };
+	const gw_place_task task = { .spacing = wish->spacing, .seed = wish->seed, .most = wish->most };
 	*on->records = (gw_records){ 0 };
 	return place(on, &task, wish->least, error);
 }

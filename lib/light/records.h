@@ -51,6 +51,7 @@ typedef struct gw_record_context {
 typedef struct gw_record_wish {
 	float spacing;  /* leaf cells; 0: one on every facet */
 	uint32_t least; /* where they would be fewer, they stand closer */
+	uint32_t most;  /* where they would be more, farther apart; 0: never */
 	uint64_t seed;
 } gw_record_wish;
 
@@ -63,7 +64,7 @@ typedef struct gw_record_wish {
  * unless one with a like normal lies nearer than `spacing` leaf cells on the same surface; so every
  * facet lies within that distance of a record. spacing 0: one on every facet (Salm 4.4.3). Where
  * these are too few, it is done again with half the spacing; in such steps, so that
- * scenes that differ little mostly have the same.
+ * scenes that differ little mostly have the same; where they are too many, with twice the spacing.
  *   on   its records are what is made: what they were before is forgotten
  */
 gw_status gw_records_place(const gw_record_context *on, const gw_record_wish *wish,

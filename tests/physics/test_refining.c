@@ -227,6 +227,47 @@ static void beats_even_records(void **state)
 	scene_clear(&s);
 }
 
+/* Bakes without a target: where records would be more than a number, they are few at first, and
+ * added as far as gathered light asks for them, but stand nowhere closer than others do. */
+static void few_records_follow_the_light(void **state)
+{
+	(void)state;
+	scene s = { 0 };
+	make_passage(&s);
+	gw_points points = scene_points(&s);
+	gw_bake_options options = gw_bake_options_default();
+	options.least_records = 0;
+	gw_bake_result *all = scene_bake(&points, NULL, 0, &options);
+	options.most_records = (uint32_t)all->report.records; /* as many are not too many */
+	gw_bake_result *enough = scene_bake(&points, NULL, 0, &options);
+	assert_int_equal(enough->report.round_count, 0);
+	assert_memory_equal(all->radiance, enough->radiance, 3 * s.count * sizeof(float));
+	options.most_records = (uint32_t)all->report.records / 3;
+	options.gathered_error = 0.0f;
+	gw_bake_result *few = scene_bake(&points, NULL, 0, &options);
+	assert_true(few->report.records <= options.most_records);
+	assert_int_equal(few->report.round_count, 0);
+	double worse = few->report.error.gathered, better = all->report.error.gathered;
+	assert_true(worse > better);
+	options.gathered_error = (float)(0.5 * (worse + better));
+	gw_bake_result *added = scene_bake(&points, NULL, 0, &options);
+	const gw_report *r = &added->report;
+	assert_true(r->round_count >= 2 && r->round[0].records == few->report.records);
+	assert_true(r->error.gathered <= (double)options.gathered_error);
+	assert_int_equal(r->goal, GW_GOAL_NONE);
+	assert_false(r->missed);
+	options.gathered_error = 1e-6f; /* out of reach: they end where all others stand */
+	gw_bake_result *close = scene_bake(&points, NULL, 0, &options);
+	assert_true(close->report.records > r->records);
+	assert_true(close->report.records < 1.3 * (double)all->report.records);
+	gw_bake_result *const every[] = { all, enough, few, added, close };
+	for (size_t i = 0; i < sizeof every / sizeof *every; i++) {
+		gw_bake_result *result = every[i];
+		gw_bake_result_destroy(&result);
+	}
+	scene_clear(&s);
+}
+
 /* For any number of threads, and again, to the last bit. */
 static void always_the_same(void **state)
 {
@@ -257,6 +298,7 @@ int main(void)
 		cmocka_unit_test(added_records_see_the_same),
 		cmocka_unit_test(reaches_what_is_asked),
 		cmocka_unit_test(beats_even_records),
+		cmocka_unit_test(few_records_follow_the_light),
 		cmocka_unit_test(always_the_same),
 	};
 	return cmocka_run_group_tests_name("refining", tests, NULL, NULL);

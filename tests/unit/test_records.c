@@ -370,8 +370,8 @@ static void make_cloud(scene *s, size_t count)
 	}
 }
 
-/* The scene of a cloud, up to its records. */
-static void place_records(gw_scene *built, const scene *cloud)
+/* The scene of a cloud, up to its records, so many leaf cells apart. */
+static void place_records(gw_scene *built, const scene *cloud, float spacing)
 {
 	gw_error error = { 0 };
 	gw_points points = scene_points(cloud);
@@ -379,7 +379,8 @@ static void place_records(gw_scene *built, const scene *cloud)
 	built->options = gw_bake_options_default();
 	built->options.estimate_points = 0;
 	built->options.depth = 7;
-	built->options.record_spacing = 0.5f;
+	built->options.record_spacing = spacing;
+	built->options.least_records = 0;
 	assert_ok(gw_scene_open_device(built, &error), &error);
 	assert_ok(gw_scene_make_surfels(built, &(gw_scene_description){ &points, &light, 1 }, &error),
 			  &error);
@@ -387,21 +388,28 @@ static void place_records(gw_scene *built, const scene *cloud)
 	assert_ok(gw_scene_place_records(built, &error), &error);
 }
 
-/* How many records a cloud gets, and how far they are apart, leaf cells. */
-static uint32_t count_records(const scene *cloud, float spacing, uint32_t least, float *apart)
+/* How many records a scene gets, and how far they are apart, leaf cells. */
+static uint32_t count_wished(gw_scene *built, const gw_record_wish *wish, float *apart)
 {
 	gw_error error = { 0 };
-	gw_report report = { 0 };
-	gw_scene built = { .report = &report };
-	place_records(&built, cloud);
-	const gw_record_context on = gw_scene_context(&built, &built.records);
-	gw_records_destroy(built.gpu, &built.records);
+	const gw_record_context on = gw_scene_context(built, &built->records);
+	gw_records_destroy(built->gpu, &built->records);
+	assert_ok(gw_records_place(&on, wish, &error), &error);
+	*apart = built->records.spacing;
+	return built->records.count;
+}
+
+static uint32_t count_records(gw_scene *built, float spacing, uint32_t least, float *apart)
+{
 	const gw_record_wish wish = { .spacing = spacing, .least = least };
-	assert_ok(gw_records_place(&on, &wish, &error), &error);
-	uint32_t count = built.records.count;
-	*apart = built.records.spacing;
-	gw_scene_close(&built);
-	return count;
+	return count_wished(built, &wish, apart);
+}
+
+static void make_room(scene *cloud, gw_scene *built)
+{
+	*cloud = (scene){ 0 };
+	scene_add_box(cloud, (double[3]){ 0, 0, 0 }, (double[3]){ 2, 2, 2 }, 20, 0.5f);
+	place_records(built, cloud, 64.0f);
 }
 
 /* Their spacing is halved until they are so many, or 0.8 leaf cells apart;
@@ -410,18 +418,46 @@ static void few_records_come_closer(void **state)
 {
 	(void)state;
 	float apart;
-	scene cloud = { 0 };
-	scene_add_box(&cloud, (double[3]){ 0, 0, 0 }, (double[3]){ 2, 2, 2 }, 20, 0.5f);
-	uint32_t wide = count_records(&cloud, 8.0f, 0, &apart);
+	scene cloud;
+	gw_report report = { 0 };
+	gw_scene room = { .report = &report };
+	make_room(&cloud, &room);
+	uint32_t wide = count_records(&room, 8.0f, 0, &apart);
 	assert_true(apart == 8.0f);
-	assert_int_equal(count_records(&cloud, 8.0f, wide, &apart), wide);
+	assert_int_equal(count_records(&room, 8.0f, wide, &apart), wide);
 	assert_true(apart == 8.0f);
-	uint32_t more = count_records(&cloud, 8.0f, 2 * wide, &apart);
+	uint32_t more = count_records(&room, 8.0f, 2 * wide, &apart);
 	assert_true(more >= 2 * wide && more <= 4 * wide);
 	assert_true(apart == 4.0f);
-	uint32_t most = count_records(&cloud, 8.0f, UINT32_MAX, &apart);
+	uint32_t most = count_records(&room, 8.0f, UINT32_MAX, &apart);
 	assert_true(most > more && apart == GW_RECORD_SPACING_LEAST);
-	assert_true(count_records(&cloud, 0.0f, UINT32_MAX, &apart) >= most && apart == 0.0f);
+	assert_true(count_records(&room, 0.0f, UINT32_MAX, &apart) >= most && apart == 0.0f);
+	gw_scene_close(&room);
+	scene_clear(&cloud);
+}
+
+/* Where they would be too many, their spacing is doubled until they are not, or it is as wide as
+ * can be; where they are not, nothing changes. */
+static void many_records_stand_apart(void **state)
+{
+	(void)state;
+	float apart;
+	scene cloud;
+	gw_report report = { 0 };
+	gw_scene room = { .report = &report };
+	make_room(&cloud, &room);
+	uint32_t close = count_records(&room, 2.0f, 0, &apart);
+	gw_record_wish wish = { .spacing = 2.0f, .most = close };
+	assert_int_equal(count_wished(&room, &wish, &apart), close);
+	assert_true(apart == 2.0f);
+	wish.most = close - 1;
+	uint32_t fewer = count_wished(&room, &wish, &apart);
+	assert_true(apart == 4.0f);
+	assert_int_equal(fewer, count_records(&room, 4.0f, 0, &apart));
+	wish.most = 1; /* each of the walls has one at least */
+	assert_in_range(count_wished(&room, &wish, &apart), 6, fewer - 1);
+	assert_true(apart == 64.0f);
+	gw_scene_close(&room);
 	scene_clear(&cloud);
 }
 
@@ -432,7 +468,7 @@ static void every_record_is_listed_once(void **state)
 	gw_report report = { 0 };
 	gw_scene built = { .report = &report };
 	make_cloud(&cloud, 3000);
-	place_records(&built, &cloud);
+	place_records(&built, &cloud, 0.5f);
 	uint32_t count = built.records.count, blocks = built.records.block_count, listed = 0;
 	uint32_t *first = words_of(&built, &built.records.block_first);
 	uint32_t *record = words_of(&built, &built.records.block_record);
@@ -458,17 +494,12 @@ static void every_record_is_listed_once(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(every_facet_has_a_record),
-		cmocka_unit_test(density_on_a_floor),
-		cmocka_unit_test(one_on_every_facet),
-		cmocka_unit_test(the_seed_decides),
-		cmocka_unit_test(separate_surfaces),
-		cmocka_unit_test(nothing_to_place),
-		cmocka_unit_test(closer_in_places),
-		cmocka_unit_test(factors_follow_the_root),
-		cmocka_unit_test(factors_keep_their_limits),
-		cmocka_unit_test(few_records_come_closer),
-		cmocka_unit_test(every_record_is_listed_once),
+		cmocka_unit_test(every_facet_has_a_record),  cmocka_unit_test(density_on_a_floor),
+		cmocka_unit_test(one_on_every_facet),        cmocka_unit_test(the_seed_decides),
+		cmocka_unit_test(separate_surfaces),         cmocka_unit_test(nothing_to_place),
+		cmocka_unit_test(closer_in_places),          cmocka_unit_test(factors_follow_the_root),
+		cmocka_unit_test(factors_keep_their_limits), cmocka_unit_test(few_records_come_closer),
+		cmocka_unit_test(many_records_stand_apart),  cmocka_unit_test(every_record_is_listed_once),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

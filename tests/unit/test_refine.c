@@ -33,6 +33,7 @@ static void presets_get_finer(void **state)
 		assert_true(o.rays > last.rays && o.light_samples > last.light_samples);
 		assert_true(o.cones > last.cones);
 		assert_true(o.record_spacing * o.leaf_spacing < last.record_spacing * last.leaf_spacing);
+		assert_true(o.most_records > last.most_records && o.gathered_error < last.gathered_error);
 		assert_true(strcmp(gw_quality_name((gw_quality)q), gw_quality_name(GW_QUALITY_DRAFT)) != 0);
 		last = o;
 	}
@@ -89,6 +90,43 @@ static void the_rest_asks_for_records_then_leaves(void **state)
 	assert_true(next.leaf_spacing == o.leaf_spacing && next.rays > o.rays);
 }
 
+/* Without a target records are added for gathered light alone, until it is right enough; where
+ * rays are what is wrong with it, or the last ones have not helped, none are. */
+static void gathered_light_asks_for_records(void **state)
+{
+	(void)state;
+	char why[96];
+	gw_density_wish wish;
+	gw_bake_options o = gw_bake_options_default();
+	o.gathered_error = 0.03f;
+	gw_refine_state s = state_of(&o, 0.06, 0.0);
+	s.least_spacing = 2.5f;
+	s.error.shadows = 0.2; /* and so all of it is 0.21 */
+	s.error.relative_rms = hypot(0.06, 0.2);
+	assert_int_equal(gw_refine_gathered(&s, &wish, why), GW_REFINE_ROUND);
+	assert_true(wish.least == 2.5f);
+	/* Half of the error is a quarter of its square, and nine tenths of that are aimed at. */
+	assert_float_equal(wish.share, 0.81 * 0.25, 1e-6);
+	s.error.spread = 0.01; /* does not matter */
+	assert_int_equal(gw_refine_gathered(&s, &wish, why), GW_REFINE_ROUND);
+	assert_float_equal(wish.share, 0.81 * 0.25, 1e-6);
+	gw_round round[2] = { { .records = 100, .error = { .gathered = 0.061 } },
+						  { .records = 200, .error = { .gathered = 0.06 } } };
+	s.round = round;
+	s.round_count = 2;
+	assert_int_equal(gw_refine_gathered(&s, &wish, why), GW_REFINE_STALLED);
+	round[0].error.gathered = 0.07;
+	assert_int_equal(gw_refine_gathered(&s, &wish, why), GW_REFINE_ROUND);
+	s.crowded = true;
+	assert_int_equal(gw_refine_gathered(&s, &wish, why), GW_REFINE_EXHAUSTED);
+	s.crowded = false;
+	s.error.noise = 0.06;
+	assert_int_equal(gw_refine_gathered(&s, &wish, why), GW_REFINE_EXHAUSTED);
+	s.error.noise = 0.0;
+	s.error.gathered = 0.0299;
+	assert_int_equal(gw_refine_gathered(&s, &wish, why), GW_REFINE_EXHAUSTED);
+}
+
 /* Round after round, settings only get finer, and it ends. */
 static void it_ends(void **state)
 {
@@ -138,6 +176,33 @@ static void what_does_not_help_ends(void **state)
 	assert_int_equal(gw_refine_next(&s, &next, why), GW_REFINE_ROUND);
 	round[0].error.spread = 0.0;
 	o.max_error = 0.0f;
+	assert_int_equal(gw_refine_next(&s, &next, why), GW_REFINE_ROUND);
+}
+
+/* What stays is more than what is asked for: rounds go on while there is much else, and no longer.
+ */
+static void a_target_out_of_reach_is_not_chased(void **state)
+{
+	(void)state;
+	char why[96];
+	gw_density_wish wish;
+	gw_bake_options o = gw_bake_options_default(), next;
+	o.max_error = 0.1f;
+	gw_refine_state s = state_of(&o, 0.08, 0.02);
+	s.error.shadows = 0.13;
+	s.error.relative_rms = hypot(0.08, 0.13);
+	assert_int_equal(gw_refine_records(&s, &wish, why), GW_REFINE_ROUND);
+	s.error.gathered = 0.04; /* of 0.136, from which nothing would take more than a twentieth */
+	s.error.relative_rms = hypot(0.04, 0.13);
+	assert_int_equal(gw_refine_records(&s, &wish, why), GW_REFINE_STALLED);
+	assert_int_equal(gw_refine_next(&s, &next, why), GW_REFINE_STALLED);
+	s.error.shadows = 0.09; /* within reach, but for 0.001 */
+	s.error.gathered = 0.045;
+	s.error.relative_rms = hypot(0.045, 0.09);
+	assert_int_equal(gw_refine_records(&s, &wish, why), GW_REFINE_ROUND);
+	o.max_error = 0.0f; /* time alone */
+	s.error.shadows = 0.13;
+	s.error.relative_rms = 0.13;
 	assert_int_equal(gw_refine_next(&s, &next, why), GW_REFINE_ROUND);
 }
 
@@ -311,6 +376,8 @@ int main(void)
 		cmocka_unit_test(target_counts_the_spread),
 		cmocka_unit_test(noise_asks_for_rays),
 		cmocka_unit_test(the_rest_asks_for_records_then_leaves),
+		cmocka_unit_test(gathered_light_asks_for_records),
+		cmocka_unit_test(a_target_out_of_reach_is_not_chased),
 		cmocka_unit_test(it_ends),
 		cmocka_unit_test(what_does_not_help_ends),
 		cmocka_unit_test(time_makes_steps_smaller),
