@@ -47,10 +47,10 @@ gw_status gw_sort_list_create(gw_gpu *gpu, uint64_t count, bool wide, gw_sort_li
 		if (!part[i].needed)
 			continue;
 		gw_status status =
-			gw_buffer_create(gpu,
-							 &(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT,
-													   4 * count, part[i].name },
-							 part[i].buffer, error);
+			gw_buffer_create_unset(gpu,
+								   &(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT,
+															 4 * count, part[i].name },
+								   part[i].buffer, error);
 		if (status != GW_OK) {
 			gw_sort_list_destroy(gpu, list);
 			return status;

@@ -17,7 +17,7 @@ typedef struct gw_radix_sort {
 
 /* Keys and payloads, each twice: what is sorted, and room for a copy. R32_UINT texel buffers. */
 typedef struct gw_sort_list {
-	gw_buffer low, high, payload; /* bits 0-31, bits 32-63 (unused and zeroed when not wide) */
+	gw_buffer low, high, payload; /* bits 0-31, bits 32-63 (none when not wide) */
 	gw_buffer low_copy, high_copy, payload_copy;
 	uint64_t count;
 	bool wide;
@@ -25,7 +25,8 @@ typedef struct gw_sort_list {
 
 void gw_radix_sort_destroy(gw_gpu *gpu, gw_radix_sort *sort); /* a zeroed one is accepted */
 
-/* Allocates a list of zeros. Fails as gw_buffer_create; zeroed then. */
+/* Allocates a list whose keys are to be written next: they are not set, and sorting sets the rest.
+ * Fails as gw_buffer_create; zeroed then. */
 gw_status gw_sort_list_create(gw_gpu *gpu, uint64_t count, bool wide, gw_sort_list *list,
 							  gw_error *error);
 void gw_sort_list_destroy(gw_gpu *gpu, gw_sort_list *list);

@@ -8,6 +8,13 @@ gw_status gw_octree_buffer(gw_octree_work *work, VkFormat format, uint64_t bytes
 		work->gpu, &(gw_buffer_description){ GW_BUFFER_TEXEL, format, bytes, name }, buffer, error);
 }
 
+gw_status gw_octree_buffer_unset(gw_octree_work *work, VkFormat format, uint64_t bytes,
+								 const char *name, gw_buffer *buffer, gw_error *error)
+{
+	return gw_buffer_create_unset(
+		work->gpu, &(gw_buffer_description){ GW_BUFFER_TEXEL, format, bytes, name }, buffer, error);
+}
+
 gw_status gw_octree_buffers(gw_octree_work *work, const gw_octree_part *parts, size_t count,
 							gw_error *error)
 {

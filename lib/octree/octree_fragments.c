@@ -144,10 +144,14 @@ static gw_status upload_arrays(gw_octree_work *work, int count, float *chunk, gw
 	uint64_t bytes = 16 * (uint64_t)work->surfels->count;
 	for (int i = 0; i < count; i++) {
 		bool there = i < 6 || work->surfels->emission != NULL;
-		GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32G32B32A32_SFLOAT, there ? bytes : 16,
-								array[i].name, array[i].buffer, error));
-		if (there)
-			GW_TRY(upload_array(work, i, array[i].buffer, chunk, error));
+		if (!there) {
+			GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32G32B32A32_SFLOAT, 16, array[i].name,
+									array[i].buffer, error));
+			continue;
+		}
+		GW_TRY(gw_octree_buffer_unset(work, VK_FORMAT_R32G32B32A32_SFLOAT, bytes, array[i].name,
+									  array[i].buffer, error));
+		GW_TRY(upload_array(work, i, array[i].buffer, chunk, error));
 	}
 	return GW_OK;
 }
@@ -224,10 +228,10 @@ static gw_status run_fragments(gw_octree_work *work, bool emit, gw_error *error)
 gw_status gw_octree_count_fragments(gw_octree_work *work, uint64_t *total, gw_error *error)
 {
 	uint64_t bytes = 4 * (uint64_t)work->some;
-	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32_UINT, bytes, "fragments of surfels",
-							&work->surfel_offset, error));
-	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32_UINT, bytes, "samples of discs",
-							&work->surfel_samples, error));
+	GW_TRY(gw_octree_buffer_unset(work, VK_FORMAT_R32_UINT, bytes, "fragments of surfels",
+								  &work->surfel_offset, error));
+	GW_TRY(gw_octree_buffer_unset(work, VK_FORMAT_R32_UINT, bytes, "samples of discs",
+								  &work->surfel_samples, error));
 	GW_TRY(run_fragments(work, false, error));
 	return gw_prefix_sum_run(&work->passes, &work->sort.prefix, &work->surfel_offset, work->some,
 							 total, error);
@@ -237,12 +241,12 @@ static gw_status gather(gw_octree_work *work, gw_error *error)
 {
 	gw_octree *octree = work->octree;
 	uint64_t bytes = 4 * (uint64_t)octree->fragment_count;
-	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32_UINT, bytes, "surfels of fragments",
-							&octree->fragment_surfel, error));
-	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32_SFLOAT, bytes, "weights of fragments",
-							&octree->fragment_weight, error));
-	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32_UINT, bytes, "centroids of fragments",
-							&work->fragment_centroid, error));
+	GW_TRY(gw_octree_buffer_unset(work, VK_FORMAT_R32_UINT, bytes, "surfels of fragments",
+								  &octree->fragment_surfel, error));
+	GW_TRY(gw_octree_buffer_unset(work, VK_FORMAT_R32_SFLOAT, bytes, "weights of fragments",
+								  &octree->fragment_weight, error));
+	GW_TRY(gw_octree_buffer_unset(work, VK_FORMAT_R32_UINT, bytes, "centroids of fragments",
+								  &work->fragment_centroid, error));
 	gw_binding bindings[] = {
 		GW_WINDOW(&work->keys.payload, 4),      GW_WHOLE(&work->unsorted_surfel),
 		GW_WHOLE(&work->unsorted_weight),       GW_WHOLE(&work->unsorted_centroid),
@@ -259,12 +263,13 @@ gw_status gw_octree_write_fragments(gw_octree_work *work, gw_error *error)
 	uint64_t bytes = 4 * (uint64_t)octree->fragment_count;
 	GW_TRY(gw_sort_list_create(work->gpu, octree->fragment_count, gw_octree_is_wide(work),
 							   &work->keys, error));
-	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32_UINT, bytes, "surfels of fragments, unsorted",
-							&work->unsorted_surfel, error));
-	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32_SFLOAT, bytes, "weights of fragments, unsorted",
-							&work->unsorted_weight, error));
-	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32_UINT, bytes, "centroids of fragments, unsorted",
-							&work->unsorted_centroid, error));
+	GW_TRY(gw_octree_buffer_unset(work, VK_FORMAT_R32_UINT, bytes, "surfels of fragments, unsorted",
+								  &work->unsorted_surfel, error));
+	GW_TRY(gw_octree_buffer_unset(work, VK_FORMAT_R32_SFLOAT, bytes,
+								  "weights of fragments, unsorted", &work->unsorted_weight, error));
+	GW_TRY(gw_octree_buffer_unset(work, VK_FORMAT_R32_UINT, bytes,
+								  "centroids of fragments, unsorted", &work->unsorted_centroid,
+								  error));
 	GW_TRY(run_fragments(work, true, error));
 	gw_buffer_destroy(work->gpu, &work->surfel_offset);
 	gw_buffer_destroy(work->gpu, &work->surfel_samples);

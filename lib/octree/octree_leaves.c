@@ -40,12 +40,14 @@ static gw_status create_leaves(gw_octree_work *work, gw_error *error)
 		{ &octree->facet_centre, floats, 32 * leaves, "centroids of facets" },
 		{ &octree->facet_albedo, floats, 32 * leaves, "albedos of facets" },
 		{ &octree->facet_emission, floats, emission, "emission of facets" },
-		{ &octree->ray_directory, VK_FORMAT_R32_UINT, 4 * cells, "directory of rays" },
 		{ &work->seed, VK_FORMAT_R32G32B32A32_UINT, 16 * leaves, "seeds of facets" },
 		{ &work->ray_mark, VK_FORMAT_R32_UINT, 4 * cells, "marked cells" },
-		{ &work->distance, VK_FORMAT_R32_UINT, 4 * cells, "distances to marked cells" },
 	};
-	return gw_octree_buffers(work, part, sizeof part / sizeof *part, error);
+	GW_TRY(gw_octree_buffers(work, part, sizeof part / sizeof *part, error));
+	GW_TRY(gw_octree_buffer_unset(work, VK_FORMAT_R32_UINT, 4 * cells, "distances to marked cells",
+								  &work->distance, error));
+	return gw_octree_buffer_unset(work, VK_FORMAT_R32_UINT, 4 * cells, "directory of rays",
+								  &octree->ray_directory, error);
 }
 
 /* Facets' emission; when there is none, a buffer of one texel that the passes leave alone. */

@@ -127,8 +127,8 @@ static gw_status upload(gw_octree_work *work, const gw_fragment_list *list, gw_e
 	for (size_t w = 0; w < GW_FRAGMENT_WORDS; w++) {
 		if (list->word[w] == NULL)
 			continue;
-		GW_TRY(gw_octree_buffer(work, w == WEIGHT ? VK_FORMAT_R32_SFLOAT : VK_FORMAT_R32_UINT,
-								bytes, name[w], buffer[w], error));
+		GW_TRY(gw_octree_buffer_unset(work, w == WEIGHT ? VK_FORMAT_R32_SFLOAT : VK_FORMAT_R32_UINT,
+									  bytes, name[w], buffer[w], error));
 		GW_TRY(gw_buffer_upload(work->gpu, buffer[w], 0, list->word[w], bytes, error));
 	}
 	return GW_OK;

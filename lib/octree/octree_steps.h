@@ -77,9 +77,12 @@ typedef struct gw_octree_work {
 #define GW_WHOLE(address) ((gw_binding){ .buffer = (address) })
 #define GW_WINDOW(address, bytes) ((gw_binding){ .buffer = (address), .stride = (bytes) })
 
-/* Allocates a texel buffer. */
+/* Allocates a texel buffer of zeros. */
 gw_status gw_octree_buffer(gw_octree_work *work, VkFormat format, uint64_t bytes, const char *name,
 						   gw_buffer *buffer, gw_error *error);
+/* The same without zeros, for a buffer of which every texel is written before any is read. */
+gw_status gw_octree_buffer_unset(gw_octree_work *work, VkFormat format, uint64_t bytes,
+								 const char *name, gw_buffer *buffer, gw_error *error);
 
 /* One of several texel buffers to allocate. */
 typedef struct gw_octree_part {

@@ -18,8 +18,8 @@ static gw_status count_distinct(gw_octree_work *work, const gw_key_list *list, u
 {
 	const gw_keys_push push = push_of(list);
 	uint32_t count = list->count;
-	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32_UINT, 4 * (uint64_t)count, "marks", &work->marks,
-							error));
+	GW_TRY(gw_octree_buffer_unset(work, VK_FORMAT_R32_UINT, 4 * (uint64_t)count, "marks",
+								  &work->marks, error));
 	gw_binding bindings[] = { GW_WHOLE(list->keys),
 							  GW_WHOLE(list->high != NULL ? list->high : list->keys),
 							  GW_WINDOW(&work->marks, 4) };
@@ -51,9 +51,9 @@ static gw_status find_distinct(gw_octree_work *work, const gw_key_list *list, co
 	gw_buffer_destroy(work->gpu, &work->first);
 	uint64_t distinct;
 	GW_TRY(count_distinct(work, list, &distinct, error));
-	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32G32_UINT, 8 * distinct, name, result, error));
-	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32_UINT, 4 * (distinct + 1), "first of equal keys",
-							&work->first, error));
+	GW_TRY(gw_octree_buffer_unset(work, VK_FORMAT_R32G32_UINT, 8 * distinct, name, result, error));
+	GW_TRY(gw_octree_buffer_unset(work, VK_FORMAT_R32_UINT, 4 * (distinct + 1),
+								  "first of equal keys", &work->first, error));
 	GW_TRY(gw_buffer_upload(work->gpu, &work->first, 4 * distinct, &list->count, 4, error));
 	GW_TRY(write_distinct(work, list, result, error));
 	*result_count = (uint32_t)distinct;
@@ -94,8 +94,8 @@ static gw_status add_parents(gw_octree_work *work, uint32_t t, gw_error *error)
 							.tiles = work->real_count[t],
 							.wide = wide,
 							.base = below_count };
-	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32_UINT, 4 * (uint64_t)push.tiles,
-							"border tiles of tiles", &work->marks, error));
+	GW_TRY(gw_octree_buffer_unset(work, VK_FORMAT_R32_UINT, 4 * (uint64_t)push.tiles,
+								  "border tiles of tiles", &work->marks, error));
 	GW_TRY(run_border(work, t, push, error));
 	uint64_t borders;
 	GW_TRY(gw_prefix_sum_run(&work->passes, &work->sort.prefix, &work->marks, push.tiles, &borders,

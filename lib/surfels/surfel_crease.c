@@ -23,17 +23,19 @@ static bool find_crease(const gw_surfels *s, size_t surfel, size_t other, double
 	const float *n = s->normal + 3 * surfel, *m = s->normal + 3 * other;
 	float t[3], b[3];
 	double cosine = 0, x = 0, y = 0, ahead = 0, facing = 0;
+	/* Most neighbours lie on the same surface: there is no more to find out about them. */
+	for (size_t k = 0; k < 3; k++)
+		cosine += (double)(n[k] * m[k]);
+	if (fabs(cosine) > GW_SAME_SURFACE || s->two_sided[surfel] || s->two_sided[other])
+		return false;
 	gw_tangent_frame(n, t, b);
 	for (size_t k = 0; k < 3; k++) {
 		double d = (double)s->position[3 * other + k] - (double)s->position[3 * surfel + k];
-		cosine += (double)(n[k] * m[k]);
 		x += (double)(m[k] * t[k]);
 		y += (double)(m[k] * b[k]);
 		ahead += (double)n[k] * d;
 		facing -= (double)m[k] * d;
 	}
-	if (fabs(cosine) > GW_SAME_SURFACE || s->two_sided[surfel] || s->two_sided[other])
-		return false;
 	double side = ahead + facing < 0 ? -1 : 1, slope = sqrt(x * x + y * y);
 	if (fmin(side * ahead, side * facing) < -CREASE_DOUBT * reach)
 		return false;

@@ -148,11 +148,19 @@ void gw_plane_look_at(gw_neighbours *search, const gw_surfels *s, size_t surfel,
 static int cut_polygon(double (*corner)[2], int count, const gw_half_plane *h)
 {
 	double cut[2 * CORNERS][2]; /* rounding may add corners to thin slivers */
+	double over[CORNERS + 1];
+	bool any = false;
 	int left = 0;
 	for (int i = 0; i < count; i++) {
-		const double *a = corner[i], *b = corner[(i + 1) % count];
-		double over_a = h->x * a[0] + h->y * a[1] - h->offset;
-		double over_b = h->x * b[0] + h->y * b[1] - h->offset;
+		over[i] = h->x * corner[i][0] + h->y * corner[i][1] - h->offset;
+		any |= !(over[i] <= 0);
+	}
+	if (!any)
+		return count;
+	over[count] = over[0];
+	for (int i = 0; i < count; i++) {
+		const double *a = corner[i], *b = corner[i + 1 < count ? i + 1 : 0];
+		double over_a = over[i], over_b = over[i + 1];
 		if (over_a <= 0) {
 			cut[left][0] = a[0];
 			cut[left++][1] = a[1];

@@ -126,10 +126,16 @@ void add_small_disc(Disc disc)
 		if (is_cut(disc, at) || !in_cube(disc.cell + step))
 			continue;
 		int k = step.x + 1 + 3 * (step.y + 1) + 9 * (step.z + 1);
-		vec4 before = (used >> k & 1u) != 0u ? sum[k] : vec4(0.0);
-		sum[k] = before + vec4(p - vec3(step), 1.0);
-		used |= 1u << k;
 		inside_count++;
+		if (push.emit != 0u) {
+			vec4 before = (used >> k & 1u) != 0u ? sum[k] : vec4(0.0);
+			sum[k] = before + vec4(p - vec3(step), 1.0);
+		}
+		used |= 1u << k;
+	}
+	if (push.emit == 0u) {
+		fragments += uint(bitCount(used));
+		return;
 	}
 	float share = disc.area / float(max(inside_count, 1u));
 	for (; used != 0u; used &= used - 1u) {
