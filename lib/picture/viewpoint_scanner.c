@@ -8,13 +8,13 @@
 #include <math.h>
 #include <stdlib.h>
 
-#define TURNED 0.6       /* length of the mean direction to the points, below which it turned around */
-#define STEEPEST 0.6     /* sine of the steepest view, 37 degrees: steeper ones look odd */
-#define WIDEST 75.0      /* degrees, of a picture; what is beyond is left out */
-#define NARROWEST 1.0    /* degrees */
-#define MARGIN 1.05      /* of a picture that holds all */
-#define BEYOND 100       /* one in so many points may lie beyond the picture */
-#define CLEAR 0.9        /* of the way to what counts: nearer, there are only strays */
+#define TURNED 0.6    /* length of the mean direction to the points, below which it turned around */
+#define STEEPEST 0.6  /* sine of the steepest view, 37 degrees: steeper ones look odd */
+#define WIDEST 75.0   /* degrees, of a picture; what is beyond is left out */
+#define NARROWEST 1.0 /* degrees */
+#define MARGIN 1.05   /* of a picture that holds all */
+#define BEYOND 100    /* one in so many points may lie beyond the picture */
+#define CLEAR 0.9     /* of the way to what counts: nearer, there are only strays */
 
 /* The mean of the unit vectors from a scanner to what counts, and its length. */
 static double mean_direction(const view_space *v, const double scanner[3], double mean[3])
