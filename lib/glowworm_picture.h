@@ -264,6 +264,7 @@ typedef struct gw_viewpoint {
 	double angle;        /* degrees, vertical angle of view */
 	double near;         /* metres; what is nearer than this is in the way of what counts */
 	bool inside;
+	bool from_scanner; /* where the only one stood, which did not turn around */
 	char flat; /* as gw_camera_up has it, 0 as a rule: much of the surface is flat across this axis,
 				  as ground is, and not across `up` */
 } gw_viewpoint;
@@ -288,7 +289,8 @@ double gw_viewpoint_enclosure(const gw_surfels *surfels);
  * Inside: where there is floor, at the height of eyes, or in the air when there is none; the view
  * is best that sees far, and lit surfaces. Outside: slightly from above, where most surface is seen
  * by its front and lit, which is three quarters from the front for boxes and steeper for terrain,
- * as near as the picture holds all that counts.
+ * as near as the picture holds all that counts. When one scanner is known, and it did not turn
+ * around, as depth cameras do not: from its place, without what other places show to be missing.
  * Fails with GW_ERROR_MEMORY.
  */
 gw_status gw_viewpoint_find(const gw_surfels *surfels, const gw_viewpoint_wish *wish,

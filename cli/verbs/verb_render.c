@@ -572,8 +572,11 @@ static void note_camera(const render *r)
 		return;
 	fprintf(stderr,
 			"glowworm: note: the camera is %s: --camera '" CAMERA_PLACE " fov %g' --up %s\n",
-			v->inside ? "inside" : "outside", v->at[0], v->at[1], v->at[2], v->to[0], v->to[1],
-			v->to[2], v->angle, settings_up_name(r->scene.up));
+			v->from_scanner ? "the scanner's"
+			: v->inside     ? "inside"
+							: "outside",
+			v->at[0], v->at[1], v->at[2], v->to[0], v->to[1], v->to[2], v->angle,
+			settings_up_name(r->scene.up));
 	if (v->flat && r->settings->up == SETTINGS_UP_AUTO)
 		fprintf(stderr,
 				"glowworm: note: most of the surface lies flat across %c, as ground does; if %c "

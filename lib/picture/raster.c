@@ -64,8 +64,8 @@ static gw_raster_view make_view(const gw_raster_scene *scene, const gw_camera *c
 }
 
 /* Bytes a pixel: the G-buffer without its channels, what is known of its cover, and what becomes of
- * it: three floats more, and bytes of a file. */
-#define PIXEL_BYTES (28u + 3u + 12u + 4u)
+ * it: gaps and what lies around them, or three floats more, and bytes of a file. */
+#define PIXEL_BYTES (28u + 3u + 25u + 4u)
 
 /* The system promises more memory than it has, and ends the program that takes it at its word. */
 static gw_status check_memory(const gw_raster_view *v, gw_error *error)
@@ -191,7 +191,10 @@ static gw_status draw(drawing *d, gw_raster_bins *bins, uint32_t threads, gw_gbu
 	if (atomic_load(&d->cancelled))
 		return gw_fail(error, GW_ERROR_CANCELLED, "stopped while drawing");
 	gbuffer->drawn = bins->drawn;
-	return gw_raster_holes_close(view, d->cover, gbuffer, error);
+	GW_TRY(gw_raster_holes_close(view, d->cover, gbuffer, error));
+	bool surface = view->scene->discs.count > 0 && !view->scene->discs.transparency &&
+				   view->options->radius_scale >= 1.0f;
+	return surface ? gw_raster_gaps_bridge(view, gbuffer, error) : GW_OK;
 }
 
 gw_status gw_raster_draw(const gw_raster_scene *scene, const gw_camera *camera,

@@ -5,6 +5,7 @@
  *   bins    gw_raster_bins_make    which primitives reach into which tile
  *   tile    gw_raster_tile_draw    the two passes over one tile, and its pixels
  *   holes   gw_raster_holes_close  which pixels that only edges hide are shown
+ *   bridges gw_raster_gaps_bridge  which pixels between lines of points are
  *
  * Samples are counted from 0 at the left and the top; the middle of sample (i, j) is at
  * (i + 1/2, j + 1/2). A ray through it has the direction (x, y, 1) in the camera's frame.
@@ -172,5 +173,11 @@ void gw_raster_tile_draw(const gw_raster_view *view, const gw_raster_bins *bins,
  */
 gw_status gw_raster_holes_close(const gw_raster_view *view, const gw_raster_cover *cover,
 								gw_gbuffer *gbuffer, gw_error *error);
+
+/*
+ * Then closes gaps between discs of one surface that are narrow for these. Only for discs that are
+ * as wide as the surface: smaller ones are meant to be seen apart. Fails with GW_ERROR_MEMORY.
+ */
+gw_status gw_raster_gaps_bridge(const gw_raster_view *view, gw_gbuffer *gbuffer, gw_error *error);
 
 #endif

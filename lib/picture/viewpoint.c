@@ -51,6 +51,10 @@ static gw_status find_in(const view_space *space, const gw_viewpoint_wish *wish,
 {
 	bool inside = wish->kind == GW_VIEWPOINT_INSIDE;
 	viewpoint->flat = find_flat(space);
+	if (wish->kind == GW_VIEWPOINT_AUTO && !wish->around)
+		GW_TRY(gw_viewpoint_of_scanner(space, viewpoint, error));
+	if (viewpoint->from_scanner)
+		return GW_OK;
 	if (wish->kind == GW_VIEWPOINT_AUTO)
 		GW_TRY(gw_viewpoint_is_inside(space, &inside, error));
 	if (inside)

@@ -373,6 +373,45 @@ static void test_scanner_side(void **state)
 	assert_true(find_view(position, 400, wish).at[1] < 0);
 }
 
+/* A corner of a room as a depth camera saw it is looked at from there: all of it but one in a
+ * hundred (BEYOND) is in the picture. One that turned around saw a room all
+ * around it, and a turn of pictures goes around the corner. */
+static void test_depth_camera(void **state)
+{
+	(void)state;
+	double position[3 * 3 * 400];
+	for (size_t i = 0; i < 400; i++)
+		for (size_t face = 0; face < 3; face++) {
+			double *p = position + 3 * (400 * face + i);
+			p[face] = face == 0 ? -1 : face == 1 ? 1 : 4;
+			p[(face + 1) % 3] = 0.1 * (double)(i % 20) + (face == 1 ? 2 : -1);
+			p[(face + 2) % 3] = 0.1 * (double)(i / 20) + (face == 0 ? 2 : -1);
+		}
+	double scanner[6] = { 0 };
+	gw_viewpoint_wish wish = { .scanner = scanner, .scanner_count = 1, .up = 'Y' };
+	gw_viewpoint v = find_view(position, 1200, wish);
+	gw_camera c;
+	double up[3];
+	assert_true(v.from_scanner);
+	assert_memory_equal(v.at, scanner, sizeof v.at);
+	gw_camera_up('Y', up);
+	assert_int_equal(gw_camera_look(&c, v.at, v.to, up, v.angle, NULL), GW_OK);
+	size_t beyond = 0;
+	for (size_t i = 0; i < 1200; i++) {
+		double view[3];
+		gw_camera_turn(&c, position + 3 * i, view);
+		assert_true(view[2] > v.near);
+		beyond += !(fabs(view[0]) < 1.5 * c.tangent * view[2]);
+		beyond += !(fabs(view[1]) < c.tangent * view[2]);
+	}
+	assert_true(beyond <= 1200 / 100);
+	wish.around = true;
+	assert_false(find_view(position, 1200, wish).from_scanner);
+	wish.around = false;
+	wish.scanner_count = 2;
+	assert_false(find_view(position, 1200, wish).from_scanner);
+}
+
 /* Right-handed for every axis; that of depth cameras is right, down and ahead. */
 static void test_stand(void **state)
 {
@@ -542,6 +581,7 @@ int main(void)
 		cmocka_unit_test(test_strays),
 		cmocka_unit_test(test_around),
 		cmocka_unit_test(test_scanner_side),
+		cmocka_unit_test(test_depth_camera),
 		cmocka_unit_test(test_stand),
 		cmocka_unit_test(test_choice),
 	};

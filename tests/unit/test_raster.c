@@ -265,6 +265,45 @@ static void test_plane_has_no_holes(void **state)
 	free_discs(&d);
 }
 
+/* How much of a picture is open where discs of rows and columns are missing from the plane, which
+ * from the last such row on lies further off by a step. */
+static double open_area(size_t rows, size_t columns, float step, float radius_scale)
+{
+	discs d = make_plane(2, 0);
+	for (size_t i = 0; i < 101 * 101; i++) {
+		size_t row = i / 101, column = i % 101;
+		d.position[3 * i + 1] += row >= 40 + rows ? step : 0.0f;
+		if (row >= 40 && row < 40 + rows && column >= 50 - columns / 2 && column < 50 + columns / 2)
+			d.position[3 * i + 1] = -2;
+	}
+	gw_camera camera = look_along_y();
+	gw_raster_options options = {
+		.width = 300, .height = 300, .samples = 1, .radius_scale = radius_scale, .threads = 1
+	};
+	gw_gbuffer g;
+	assert_int_equal(gw_raster_draw(&d.scene, &camera, &options, &g, NULL), GW_OK);
+	double area = 300.0 * 300.0 - covered_area(&g);
+	for (size_t i = 0; i < 300 * 300; i++)
+		assert_true(g.coverage[i] == 0.0f || step > 0.0f ||
+					(fabsf(g.channel[i] - 2) < 1e-5f && fabsf(g.depth[i] - 2) < 1e-5f &&
+					 fabsf(g.normal[3 * i + 1] + 1) < 1e-5f));
+	gw_gbuffer_clear(&g);
+	free_discs(&d);
+	return area;
+}
+
+/* Between lines of points 3 radii off each other the surface goes on. It does not in a window of
+ * some 7 radii, nor where it goes on elsewhere; and discs that are drawn smaller than the surface
+ * are to be seen apart. A radius is 3.75 pixels. */
+static void test_lines_of_points(void **state)
+{
+	(void)state;
+	assert_true(open_area(4, 60, 0, 1) == 0.0);
+	assert_true(open_area(8, 8, 0, 1) > 6 * 6 * 3.75 * 3.75);
+	assert_true(open_area(4, 60, 0.3f, 1) > 60 * 2 * 3.75 * 3.75);
+	assert_true(open_area(4, 60, 0, 0.4f) > 60 * 3 * 3.75 * 3.75);
+}
+
 /* Of half a spacing's noise nothing is seen through either. */
 static void test_noisy_plane_has_no_holes(void **state)
 {
@@ -716,6 +755,7 @@ int main(void)
 		cmocka_unit_test(test_plane_has_no_holes),
 		cmocka_unit_test(test_noisy_plane_has_no_holes),
 		cmocka_unit_test(test_holes_are_filled),
+		cmocka_unit_test(test_lines_of_points),
 		cmocka_unit_test(test_holes_are_no_boxes),
 		cmocka_unit_test(test_edges_end_within_tiles),
 		cmocka_unit_test(test_fronts_hide_backs),
