@@ -151,7 +151,9 @@ gw_octree_width gw_render_octree_width(const gw_render_octree *octree)
 gw_status gw_render_octree_records(gw_render_octree *o, const gw_bake_options *bake,
 								   float **position, size_t *count, gw_error *error)
 {
-	const gw_record_wish wish = { bake->record_spacing, bake->least_records, bake->seed };
+	const gw_record_wish wish = { .spacing = bake->record_spacing,
+								  .least = bake->least_records,
+								  .seed = bake->seed };
 	gw_records records = { 0 };
 	const gw_record_context on = { &o->passes, &o->octree, &records };
 	float *cell = NULL;
