@@ -20,6 +20,17 @@
 #define LINE_SHARE_NEAREST 0.02
 #define LINE_SHARE 0.06
 
+/*
+ * A line that noise has made wide holds more of them. Noise along one direction makes a strip of it
+ * that looks like narrow surface across. But what lies beside narrow surface are the faces at its
+ * edges, half its width off its middle, so that their variance is 3 times its own; and beside a
+ * noisy line are more points of the same surface, with the same noise.
+ */
+#define STRIP_SHARE 0.25
+#define STRIP_NOISE 2.0
+#define STRIP_ACROSS 0.5 /* of the variance across a strip: as much is along the normal */
+#define AXIS_ROUNDS 6    /* of power iteration: each leaves below a third of what an axis is off */
+
 /* Of a list that was widened: how many are the nearest; and the least distance between the others,
  * relative to the reach of the wide search, with which some ten of them fit. */
 #define NEAREST_KEPT (GW_NEIGHBOURS / 2)
@@ -233,6 +244,88 @@ static bool search_wide(gw_neighbours *search, size_t surfel, wide_search *wide)
 	return true;
 }
 
+/* How surfels are spread about their middle: variances, m^2. */
+typedef struct spread {
+	double mean[3]; /* off the surfel that they are around */
+	double matrix[3][3];
+} spread;
+
+static spread find_spread(const gw_surfels *s, size_t surfel, const uint32_t *index, uint32_t count)
+{
+	spread of = { .mean = { 0 } };
+	double d[3];
+	for (uint32_t j = 0; j < count; j++) {
+		offset_of(s, surfel, index[j], d);
+		for (int k = 0; k < 9; k++)
+			of.matrix[k / 3][k % 3] += d[k / 3] * d[k % 3] / count;
+		for (int k = 0; k < 3; k++)
+			of.mean[k] += d[k] / count;
+	}
+	for (int k = 0; k < 9; k++)
+		of.matrix[k / 3][k % 3] -= of.mean[k / 3] * of.mean[k % 3];
+	return of;
+}
+
+static double spread_along(const spread *of, const double axis[3])
+{
+	double sum = 0;
+	for (int k = 0; k < 3; k++)
+		sum += axis[k] * dot(of->matrix[k], axis);
+	return sum;
+}
+
+/* The axis along which a spread is largest, unit, and how large it is; taken out of it. */
+static double take_largest(spread *of, double axis[3])
+{
+	int column = of->matrix[1][1] > of->matrix[0][0] ? 1 : 0;
+	column = of->matrix[2][2] > of->matrix[column][column] ? 2 : column;
+	memcpy(axis, of->matrix[column], 3 * sizeof *axis);
+	double value = 0;
+	for (int round = 0; round < AXIS_ROUNDS; round++) {
+		double next[3];
+		for (int k = 0; k < 3; k++)
+			next[k] = dot(of->matrix[k], axis);
+		value = sqrt(dot(next, next));
+		for (int k = 0; k < 3 && value > 0; k++)
+			axis[k] = next[k] / value;
+	}
+	double along = spread_along(of, axis);
+	for (int k = 0; k < 9; k++)
+		of->matrix[k / 3][k % 3] -= along * axis[k / 3] * axis[k % 3];
+	return along;
+}
+
+static double trace_of(const spread *of)
+{
+	return of->matrix[0][0] + of->matrix[1][1] + of->matrix[2][2];
+}
+
+/* Whether the neighbours of a list are a strip, narrower than it is long. */
+static bool is_strip(const spread *list)
+{
+	spread rest = *list;
+	double axis[3];
+	take_largest(&rest, axis);
+	return trace_of(&rest) < STRIP_SHARE * trace_of(list);
+}
+
+/* Whether what lies around a strip is flat, the strip across it, and no thinner than all of it. */
+static bool is_noise_across(const gw_surfels *s, size_t surfel, const spread *list,
+							const wide_search *wide)
+{
+	const spread all = find_spread(s, surfel, wide->index, wide->count);
+	spread rest = all, across = *list;
+	double a[3], b[3];
+	take_largest(&rest, a);
+	take_largest(&rest, b);
+	const double normal[3] = { a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2],
+							   a[0] * b[1] - a[1] * b[0] };
+	double square = dot(normal, normal), own = spread_along(list, normal);
+	take_largest(&across, a);
+	return own > STRIP_ACROSS * square * trace_of(&across) &&
+		   spread_along(&all, normal) < STRIP_NOISE * own;
+}
+
 /* The candidates that are seen at 30 degrees or more from the line on which the nearest lie. */
 static uint32_t leave_line(const gw_surfels *s, size_t surfel, const gw_neighbour_list *list,
 						   const wide_search *wide, neighbour *candidate)
@@ -273,11 +366,14 @@ static void widen_list(gw_neighbours *search, size_t surfel, wide_search *wide,
 {
 	const gw_surfels *s = search->surfels;
 	neighbour candidate[GW_NEIGHBOURS_WIDE];
-	if (list->count < GW_NEIGHBOURS ||
-		(!lies_on_line(s, surfel, list, NEAREST_KEPT, LINE_SHARE_NEAREST) &&
-		 !lies_on_line(s, surfel, list, list->count, LINE_SHARE)))
+	if (list->count < GW_NEIGHBOURS)
 		return;
-	if (!search_wide(search, surfel, wide))
+	const spread own = find_spread(s, surfel, list->index, list->count);
+	bool line = lies_on_line(s, surfel, list, NEAREST_KEPT, LINE_SHARE_NEAREST) ||
+				lies_on_line(s, surfel, list, list->count, LINE_SHARE);
+	if (!line && !is_strip(&own))
+		return;
+	if (!search_wide(search, surfel, wide) || (!line && !is_noise_across(s, surfel, &own, wide)))
 		return;
 	uint32_t count = leave_line(s, surfel, list, wide, candidate);
 	if (count == 0)
