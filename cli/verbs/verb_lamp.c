@@ -65,6 +65,15 @@ static double stated(const luminaire *l, const char **of)
 	return l->stated_lumens > 0.0 ? l->stated_lumens : l->lamp_lumens;
 }
 
+/* More flux than the lamps have that make it, by more than the rounding of a data sheet and the
+ * summing of few planes come to: a luminaire keeps some of it. */
+#define LUMENS_SLACK 1.03
+
+static bool exceeds_its_lamps(const lamp_show *w)
+{
+	return w->lamp.lamp_lumens > 0.0 && w->facts.lumens > LUMENS_SLACK * w->lamp.lamp_lumens;
+}
+
 static void write_flux(const lamp_show *w, FILE *out)
 {
 	const luminaire *l = &w->lamp;
@@ -76,6 +85,12 @@ static void write_flux(const lamp_show *w, FILE *out)
 	else
 		fprintf(out, "; the file states none");
 	fprintf(out, "; %.1f %% downward\n", 100.0 * w->facts.downward);
+	if (exceeds_its_lamps(w))
+		fprintf(out,
+				"  doubt      no luminaire gives more than its lamps, here %.6g lm: ask its maker "
+				"which "
+				"is right, and give the light's lumens with --light '... lumens N'\n",
+				l->lamp_lumens);
 	if (l->watts > 0.0)
 		fprintf(out, "  input      %.4g W, %.4g lm/W\n", l->watts, w->facts.lumens / l->watts);
 }
@@ -134,6 +149,7 @@ static void write_json(const lamp_show *w, FILE *out)
 	json_put_real(&json, "lumens", w->facts.lumens);
 	json_put_real(&json, "stated_lumens", l->stated_lumens > 0.0 ? l->stated_lumens : NAN);
 	json_put_real(&json, "lamp_lumens", l->lamp_lumens > 0.0 ? l->lamp_lumens : NAN);
+	json_put_bool(&json, "exceeds_lamps", exceeds_its_lamps(w));
 	json_put_real(&json, "downward", w->facts.downward);
 	json_put_real(&json, "watts", l->watts > 0.0 ? l->watts : NAN);
 	json_put_real(&json, "candela", l->candela);

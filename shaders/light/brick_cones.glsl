@@ -83,6 +83,15 @@ vec4 less_covered(vec4 a, vec4 b)
 	return a.w < b.w ? a : b;
 }
 
+/* 1 if a sheet of a normal lies along an axis, 0 if it leans so much that beside each of its voxels
+ * there are others at other heights, by 0.7 at least. */
+float along_axis(vec3 normal)
+{
+	vec3 n = abs(normal);
+	float most = max(n.x, max(n.y, n.z));
+	return max(0.0, 1.0 - 3.0 * sqrt(max(0.0, dot(n, n) - most * most)) / most);
+}
+
 /*
  * sample_level() without the back of that sheet. It shows as much below itself as above: if it lies
  * along an axis, from the centres of its voxels on, else from itself. What else is near it shows on
@@ -95,7 +104,8 @@ vec4 sample_others(vec3 g, vec3 direction, uint up, float own_most)
 	if (own_most == 0.0 || shown.w == 0.0 || rise > 2.0 * size)
 		return shown;
 	vec3 foot = g - rise * own_normal;
-	float centre = dot((floor(foot / size) + 0.5) * size - foot, own_normal);
+	float near = max(along_axis(own_normal), min(2.0 - rise / size, 1.0));
+	float centre = near * dot((floor(foot / size) + 0.5) * size - foot, own_normal);
 	vec4 turned = sample_level(foot + (2.0 * centre - rise) * own_normal, direction, up);
 	vec4 below = sample_level(foot - rise * own_normal, direction, up);
 	vec4 own = less_covered(shown, turned.w < below.w ? below : turned);

@@ -368,22 +368,35 @@ static void test_cones_beside_white(void **state)
 		}
 }
 
-/* Two sheets of opacity 0.5 that are 2.7 leaf cells apart and face alike: half of the sky's light
- * gets to the lower one, and what comes in at the sides, as in test_cones. */
+/*
+ * A sheet of opacity 0.5 over another one of that opacity, or over what is opaque, 2.7 leaf cells
+ * above it and alike: half of the sky's light gets to the lower one, and what comes in at the
+ * sides, as in test_cones. Both lie flat, or rise by 0.4: then the faces of voxels show more of a
+ * sheet than it covers, and what is above the lower one lies less far from it.
+ */
 static void test_cones_close_sheets(void **state)
 {
 	(void)state;
-	const double h = 0.3, half = 0.5 * SHEET_WIDTH;
-	const double least = h * h / (h * h + 2.0 * half * half), most = h * h / (h * h + half * half);
-	clear_scene s = { .opacity = NULL };
-	double direct, indirect;
-	add_sheet(&s, 0.0, 1, 0.0, 0.5f);
-	add_sheet(&s, h, 1, 0.0, 0.5f);
-	light_by_cones(&s, (size_t)SHEET * SHEET, &direct, &indirect);
-	if (!(direct > (0.5 + 0.5 * least - 0.03) * SCENE_PI &&
-		  direct < (0.5 + 0.5 * most + 0.03) * SCENE_PI))
-		fail_msg("%g of the sky", direct / SCENE_PI);
-	clear(&s);
+	for (int way = 0; way < 4; way++) {
+		const double lower = way & 1 ? 1.0 : 0.5, rise = way & 2 ? 0.4 : 0.0;
+		const double square = 1.0 + rise * rise, half = 0.5 * SHEET_WIDTH;
+		const double height = 0.3 * 0.3 / square, side = half * half;
+		const double least = height / (height + side * (1.0 + square));
+		const double most = height / (height + side);
+		clear_scene s = { .opacity = NULL };
+		double direct, indirect;
+		for (int i = 0; i < 2; i++)
+			add_patch(&s,
+					  &(scene_patch){ (double[]){ -half, -half, 0.3 * i - half * rise },
+									  (double[]){ SHEET_WIDTH, 0, rise * SHEET_WIDTH },
+									  (double[]){ 0, SHEET_WIDTH, 0 }, SHEET, SHEET },
+					  0.0f, i ? 0.5f : (float)lower);
+		light_by_cones(&s, (size_t)SHEET * SHEET, &direct, &indirect);
+		if (!(direct > (0.5 + 0.5 * least - 0.03) * SCENE_PI &&
+			  direct < (0.5 + 0.5 * most + 0.03) * SCENE_PI))
+			fail_msg("%g of the sky on opacity %g, rising by %g", direct / SCENE_PI, lower, rise);
+		clear(&s);
+	}
 }
 
 /* The mean irradiance of the middle of the floor below a panel of emitters of 1 m at a height of
