@@ -6,6 +6,7 @@
 #ifndef GLOWWORM_HOST_H
 #define GLOWWORM_HOST_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -30,6 +31,13 @@ uint64_t gw_available_memory(void);
 /* The number of threads to use: `requested`, or when it is 0 the number of processors that this
  * process may run on; at least 1, at most 256. */
 uint32_t gw_thread_count(uint32_t requested);
+
+/*
+ * Whether memory that was lent to the library, as that of gw_transport, has to stay as it is until
+ * the process ends. So it is once a bake failed because its driver hangs, which may still read what
+ * it was given; true from then on.
+ */
+bool gw_lent_memory_is_kept(void);
 
 /*
  * Work on elements [first, last) of a loop.

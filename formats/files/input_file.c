@@ -290,13 +290,14 @@ gw_status input_file_check(const input_file *in, gw_status status, gw_error *err
 
 void input_file_close(input_file *in)
 {
-	if (in->storage == INPUT_FILE_HEAP)
+	bool kept = gw_lent_memory_is_kept();
+	if (in->storage == INPUT_FILE_HEAP && !kept)
 		free((void *)(uintptr_t)in->data);
 	if (in->storage == INPUT_FILE_MAPPED) {
 		unregister_range(in->range);
 		close(in->descriptor);
 	}
-	if (in->storage == INPUT_FILE_MAPPED || in->storage == INPUT_FILE_COPIED)
+	if ((in->storage == INPUT_FILE_MAPPED || in->storage == INPUT_FILE_COPIED) && !kept)
 		munmap((void *)(uintptr_t)in->data, in->length);
 	free(in->owned_name);
 	*in = (input_file){ 0 };

@@ -83,7 +83,8 @@ gw_status input_file_check(const input_file *in, gw_status status, gw_error *err
  */
 bool input_file_lost_page(const void *address);
 
-/* Gives back what input_file_open took and zeroes *in. A zeroed struct is accepted. */
+/* Gives back what input_file_open took and zeroes *in. A zeroed struct is accepted. Bytes that a
+ * driver may still read are not given back (gw_lent_memory_is_kept). */
 void input_file_close(input_file *in);
 
 #endif

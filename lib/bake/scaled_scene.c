@@ -19,6 +19,10 @@
 #define LAMP_LEAST 1e-6
 #define LAMP_MOST 1e12
 
+/* Lamps farther off than 2^24 times a scaled scene's extent are brought to about there: they move
+ * by less than a float32 tells directions to all of its points apart. */
+#define FAR 24
+
 /* Largest distance that options take, metres. */
 #define DISTANCE_MOST 1e9f
 
@@ -87,6 +91,9 @@ static void choose_units(const gw_scene_description *scene, double reach, gw_sca
 	if (!(b.extent > 0.0))
 		return;
 	scaled->length = gw_length_exponent(b.extent);
+	scaled->extent = ilogb(b.extent);
+	for (int k = 0; k < 3; k++)
+		scaled->middle[k] = 0.5 * b.low[k] + 0.5 * b.high[k];
 	double most = brightest(scene, &b);
 	if (!isfinite(most)) /* more than a double holds */
 		scaled->light = -1024;
@@ -111,14 +118,29 @@ static float *scaled_areas(const float *area, size_t count, int exponent)
 	return copy;
 }
 
+/* The power of two by which a lamp is too far off. */
+static int excess_of_distance(const gw_light *light, const gw_scaled_scene *scaled)
+{
+	double distance = 0.0;
+	for (int k = 0; k < 3; k++)
+		distance = fmax(distance, fabs(light->position[k] - scaled->middle[k]));
+	if (scaled->length == 0 || !(distance > 0.0) || !isfinite(distance))
+		return 0;
+	int excess = ilogb(distance) - scaled->extent - FAR;
+	return excess > 0 ? excess : 0;
+}
+
 static void scale_light(gw_light *light, const gw_scaled_scene *scaled)
 {
-	light->radius = ldexpf(light->radius, scaled->length);
+	int nearer = excess_of_distance(light, scaled), length = scaled->length - nearer;
+	light->radius = ldexpf(light->radius, length);
 	for (int k = 0; k < 2; k++)
-		light->size[k] = ldexpf(light->size[k], scaled->length);
+		light->size[k] = ldexpf(light->size[k], length);
 	for (int k = 0; k < 3; k++) {
-		light->position[k] = ldexp(light->position[k], scaled->length);
-		light->intensity[k] = ldexpf(light->intensity[k], 2 * scaled->length + scaled->light);
+		double middle = nearer > 0 ? scaled->middle[k] : 0.0;
+		light->position[k] =
+			ldexp(light->position[k] - middle, length) + ldexp(middle, scaled->length);
+		light->intensity[k] = ldexpf(light->intensity[k], 2 * length + scaled->light);
 		light->irradiance[k] = ldexpf(light->irradiance[k], scaled->light);
 		light->radiance[k] = ldexpf(light->radiance[k], scaled->light);
 	}
@@ -289,7 +311,10 @@ gw_status gw_scaled_scene_make(const gw_scene_description *scene, const gw_bake_
 
 void gw_scaled_scene_let_go(gw_scaled_scene *scaled)
 {
-	gw_scaled_scene units = { .length = scaled->length, .light = scaled->light };
+	gw_scaled_scene units = { .length = scaled->length,
+							  .light = scaled->light,
+							  .middle = { scaled->middle[0], scaled->middle[1], scaled->middle[2] },
+							  .extent = scaled->extent };
 	gw_scaled_scene_clear(scaled);
 	*scaled = units;
 }

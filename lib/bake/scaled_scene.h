@@ -3,7 +3,9 @@
  *
  * Areas of a cloud of 1e-20 m are 1e-40 m^2 and the irradiance near a lamp of 1e38 W/sr more than
  * there are numbers for. Such a scene is baked with lengths and light multiplied by powers of two,
- * which rounds nothing, and its result is brought back. Ordinary scenes are left as they are.
+ * which rounds nothing, and its result is brought back. A lamp that is very far beside the size of
+ * such a cloud would be infinitely bright in its units: it is brought nearer, and dimmed to give
+ * the same light. Ordinary scenes are left as they are.
  */
 #ifndef SCALED_SCENE_H
 #define SCALED_SCENE_H
@@ -13,6 +15,9 @@
 typedef struct gw_scaled_scene {
 	int length;                 /* lengths are multiplied by 2^length, */
 	int light;                  /* and radiance and irradiance by 2^light */
+	double middle[3];           /* of the points, as given, */
+	int extent;                 /* and the power of two that their extent begins at: of scenes whose
+								   length is not 0 */
 	gw_scene_description scene; /* in these units; as it was given when both are 0 */
 	gw_points points;
 	gw_light *lights; /* NULL when both are 0 */

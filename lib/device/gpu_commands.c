@@ -5,6 +5,7 @@
 #include "base/parallel.h"
 #include "glowworm_host.h"
 
+#include <stdatomic.h>
 #include <stdio.h>
 #include <time.h>
 
@@ -15,6 +16,14 @@
  * used less at so many looks one after the other has lost a thread. */
 #define IDLE_SECONDS 1e-3
 #define IDLE_MOST 15u
+
+/* A driver of this process was given up. */
+static atomic_bool one_is_stuck;
+
+bool gw_lent_memory_is_kept(void)
+{
+	return atomic_load(&one_is_stuck);
+}
 
 const VkPhysicalDeviceLimits *gw_gpu_limits(const gw_gpu *gpu)
 {
@@ -126,6 +135,7 @@ static gw_status give_up(gw_gpu *gpu, const char *what, bool idle, gw_error *err
 {
 	const char *device = gpu->device.info.name;
 	gpu->stuck = true;
+	atomic_store(&one_is_stuck, true);
 	if (idle)
 		snprintf(gpu->lost_text, sizeof gpu->lost_text,
 				 "\"%s\" does not end on \"%s\": its driver has waited for %u s with nothing to "

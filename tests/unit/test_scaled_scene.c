@@ -68,12 +68,38 @@ static void lights_fit(void **state)
 	free(own);
 }
 
+/* A lamp that is 2^500 times as far off as a cloud of 2^-500 m is wide lights it as a lamp does:
+ * its light on the cloud and its angle stay, to the rounding of a float32. */
+static void far_lamps_fit(void **state)
+{
+	(void)state;
+	gw_error error;
+	gw_light *own = NULL;
+	const gw_scaled_scene scaled = {
+		.length = 500, .light = 3, .middle = { 0x1p-498, 0, 0 }, .extent = -500
+	};
+	const gw_light lamp = { .type = GW_LIGHT_SPHERE,
+							.position = { 3.0, -4.0, 0.0 },
+							.radius = 0.5f,
+							.intensity = { 50.0f, 0.0f, 1e-30f } };
+	assert_ok(gw_scaled_lights(&scaled, &lamp, 1, &own, &error), &error);
+	const double to[3] = { own->position[0] - 4.0, own->position[1], own->position[2] };
+	double distance = hypot(to[0], to[1]);
+	assert_true(distance > 0x1p20 && distance < 0x1p27);
+	assert_true(fabs(to[0] / distance - 0.6) < 1e-7 && fabs(to[1] / distance + 0.8) < 1e-7);
+	assert_true(fabs((double)own->intensity[0] / (distance * distance) / 16.0 - 1.0) < 1e-6);
+	assert_true((double)own->intensity[2] > 0.0);
+	assert_true(fabs((double)own->radius / distance - 0.1) < 1e-7);
+	free(own);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(areas_are_scaled),
 		cmocka_unit_test(ordinary_scenes_stay),
 		cmocka_unit_test(lights_fit),
+		cmocka_unit_test(far_lamps_fit),
 	};
 	return cmocka_run_group_tests_name("scaled_scene", tests, NULL, NULL);
 }

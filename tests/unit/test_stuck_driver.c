@@ -1,14 +1,17 @@
 /* A software driver that waits for ever is given up, one that waits for a disk is not, and of the
- * one that was given up nothing is destroyed. */
+ * one that was given up nothing is destroyed, nor is memory given back that it may still read. */
 #include "base/parallel.h"
 #include "device/gpu_internal.h"
 #include "expected.h"
+#include "files/input_file.h"
+#include "glowworm_host.h"
 
 #include <pthread.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -73,6 +76,18 @@ static gw_status copy(gw_gpu *gpu, gw_buffer *buffer, gw_error *error)
 	return gw_buffer_upload(gpu, buffer, 0, word, sizeof word, error);
 }
 
+/* Whether bytes of a file, which may have been lent, are still there after it was closed. */
+static bool stays_when_closed(void)
+{
+	gw_error error;
+	input_file in;
+	assert_ok(input_file_open_as(&in, "/proc/self/exe", UINT64_MAX, 0, &error), &error);
+	const uint8_t *data = in.data;
+	assert_true(in.storage != INPUT_FILE_HEAP && in.length > 0);
+	input_file_close(&in);
+	return msync((void *)(uintptr_t)data, 1, MS_ASYNC) == 0;
+}
+
 static void it_is_given_up_and_left_alone(void **state)
 {
 	(void)state;
@@ -80,6 +95,8 @@ static void it_is_given_up_and_left_alone(void **state)
 	gw_buffer buffer;
 	gw_gpu *gpu = open_software(&buffer), *kept = gpu;
 	assert_ok(copy(gpu, &buffer, &error), &error);
+	assert_false(gw_lent_memory_is_kept());
+	assert_false(stays_when_closed());
 	vain_left = 1 << 20;
 	vain = 0;
 	assert_int_equal(copy(gpu, &buffer, &error), GW_ERROR_MEMORY);
@@ -97,6 +114,8 @@ static void it_is_given_up_and_left_alone(void **state)
 	gw_gpu_destroy(&gpu);
 	assert_null(gpu);
 	assert_int_equal(destroyed, 0);
+	assert_true(gw_lent_memory_is_kept());
+	assert_true(stays_when_closed());
 
 	/* The driver was not stuck at all. */
 	assert_int_equal(vkDeviceWaitIdle(kept->handle), VK_SUCCESS);
