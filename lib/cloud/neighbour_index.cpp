@@ -6,6 +6,7 @@
 #include "cloud/neighbour_index.h"
 
 #include <cmath>
+#include <limits>
 #include <stdio.h>
 #include <stdlib.h>
 #include <new>
@@ -37,14 +38,76 @@ typedef flann::KDTreeSingleIndex<flann::L2<float>> tree_of_points;
 /* So many results are kept in a sorted list, more in a heap: what FLANN does. */
 const size_t LIST_MOST = KNN_HEAP_THRESHOLD;
 
+/* The nearest ones so far, nearest first and of equally far ones in the order of their numbers: as
+ * FLANN's KNNSimpleResultSet keeps them, but where they are to go, and half as many bytes each. */
+class sorted_list final : public flann::ResultSet<float>
+{
+  public:
+	sorted_list(size_t most, int *index_to, float *distance_to)
+		: index(index_to), distance(distance_to), capacity(most), count(0),
+		  worst(std::numeric_limits<float>::max())
+	{
+	}
+
+	bool full() const override
+	{
+		return count == capacity;
+	}
+
+	float worstDist() const override
+	{
+		return worst;
+	}
+
+	void addPoint(float far, size_t number) override
+	{
+		const int own = static_cast<int>(number);
+		if (far >= worst)
+			return;
+		size_t at = count < capacity ? count++ : capacity - 1;
+		for (; at > 0 && comes_after(at - 1, far, own); at--) {
+			distance[at] = distance[at - 1];
+			index[at] = index[at - 1];
+		}
+		distance[at] = far;
+		index[at] = own;
+		if (full())
+			worst = distance[capacity - 1];
+	}
+
+  private:
+	int *index;
+	float *distance;
+	size_t capacity, count;
+	float worst;
+
+	bool comes_after(size_t at, float far, int number) const
+	{
+		return distance[at] > far || (distance[at] == far && index[at] > number);
+	}
+};
+
 /* The neighbours of all queries; false when there are fewer than k, as of a query that is not
  * finite. */
-template <typename results>
-bool search(const tree_of_points &tree, const float *query, size_t query_count, size_t k,
-			int *found, float *squared)
+bool search_few(const tree_of_points &tree, const float *query, size_t query_count, size_t k,
+				int *found, float *squared)
 {
 	const flann::SearchParams parameters(flann::FLANN_CHECKS_UNLIMITED, 0.0f, true);
-	results nearest(k);
+	for (size_t i = 0; i < query_count; i++) {
+		sorted_list nearest(k, found + k * i, squared + k * i);
+		tree.findNeighbors(nearest, query + 3 * i, parameters);
+		if (!nearest.full())
+			return false;
+	}
+	return true;
+}
+
+/* The same of so many that they are kept in a heap. */
+bool search_many(const tree_of_points &tree, const float *query, size_t query_count, size_t k,
+				 int *found, float *squared)
+{
+	const flann::SearchParams parameters(flann::FLANN_CHECKS_UNLIMITED, 0.0f, true);
+	flann::KNNResultSet2<float> nearest(k);
 	std::vector<size_t> index(k);
 	for (size_t i = 0; i < query_count; i++) {
 		nearest.clear();
@@ -94,10 +157,8 @@ extern "C" bool gw_neighbour_index_search(const gw_neighbour_index *index, const
 {
 	try {
 		if (k > LIST_MOST)
-			return search<flann::KNNResultSet2<float>>(index->tree, query, query_count, k, found,
-													   squared);
-		return search<flann::KNNSimpleResultSet<float>>(index->tree, query, query_count, k, found,
-														squared);
+			return search_many(index->tree, query, query_count, k, found, squared);
+		return search_few(index->tree, query, query_count, k, found, squared);
 	} catch (...) {
 		return false;
 	}
