@@ -92,6 +92,9 @@ void text_message(FILE *out, const char *format, ...)
 const char *text_percent(double share, char text[TEXT_PERCENT])
 {
 	double percent = 100.0 * share, size = fabs(percent);
+	/* Less is a rounding of nothing. */
+	if (size < 1e-9)
+		percent = size = 0.0;
 	if (!isfinite(percent) || !(size >= 1e-9 && size < 1e15)) {
 		snprintf(text, TEXT_PERCENT, "%g", percent);
 		return text;

@@ -42,6 +42,9 @@ typedef struct scan_column {
 
 /* And one that begins with this names the axis that points up: "y" or "-y". */
 #define SCAN_UP "glowworm up: "
+/* A lit file's: where a scanner stood, three numbers; at most so many of them. */
+#define SCAN_SCANNER "glowworm scanner: "
+#define SCAN_SCANNERS_SAID 64
 /* A lit file's: its points enclose a space to look at from within, whatever its normals say. */
 #define SCAN_ENCLOSED "glowworm space: enclosed"
 #define SCAN_NO_SCANNER UINT32_MAX

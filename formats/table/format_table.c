@@ -9,7 +9,9 @@
 #include "points/scan_color.h"
 #include "text/text_formats.h"
 
+#include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -104,6 +106,29 @@ static void take_up(scan *cloud)
 	}
 }
 
+/* Where scanners stood, by a lit file of a format that has no place for it. */
+static gw_status take_scanners(scan *cloud, gw_error *error)
+{
+	size_t length = strlen(SCAN_SCANNER), said = 0;
+	for (size_t c = 0; c < cloud->comment_count && cloud->scanner_count <= said; c++) {
+		if (strncmp(cloud->comment[c], SCAN_SCANNER, length) != 0 || said == SCAN_SCANNERS_SAID)
+			continue;
+		double at[3];
+		char *end = cloud->comment[c] + length;
+		bool good = true;
+		for (int k = 0; k < 3; k++) {
+			const char *from = end;
+			at[k] = strtod(from, &end);
+			good = good && end != from && isfinite(at[k]);
+		}
+		if (good && !*end) {
+			GW_TRY(scan_add_scanner(cloud, at, 0, cloud->count, error));
+			said++;
+		}
+	}
+	return GW_OK;
+}
+
 gw_status format_read_with(const char *path, const format_options *options, scan *cloud,
 						   const format **recognised, gw_error *error)
 {
@@ -124,6 +149,8 @@ gw_status format_read_with(const char *path, const format_options *options, scan
 	gw_status status = input_file_check(&in, read_as(found, &in, cloud, error), error);
 	if (status == GW_OK)
 		status = scan_color_unpack(cloud, error);
+	if (status == GW_OK)
+		status = take_scanners(cloud, error);
 	if (status != GW_OK)
 		scan_clear(cloud);
 	take_up(cloud);

@@ -9,8 +9,8 @@
 /* Whether the space that a cloud encloses is what a person came to see. GW_ERROR_MEMORY. */
 gw_status gw_viewpoint_is_inside(const view_space *space, bool *inside, gw_error *error);
 
-/* The view of the only scanner, if it did not turn around; else viewpoint->from_scanner stays false.
- * GW_ERROR_MEMORY. */
+/* The view of the only scanner, if it did not turn around; else viewpoint->from_scanner stays
+ * false. GW_ERROR_MEMORY. */
 gw_status gw_viewpoint_of_scanner(const view_space *space, gw_viewpoint *viewpoint,
 								  gw_error *error);
 
