@@ -24,7 +24,8 @@
  * A line that noise has made wide holds more of them. Noise along one direction makes a strip of it
  * that looks like narrow surface across. But what lies beside narrow surface are the faces at its
  * edges, half its width off its middle, so that their variance is 3 times its own; and beside a
- * noisy line are more points of the same surface, with the same noise.
+ * noisy line are more points of the same surface, with the same noise. It matters where a plane is
+ * to be found; where all normals are given, twigs and wires are the more likely strips.
  */
 #define STRIP_SHARE 0.25
 #define STRIP_NOISE 2.0
@@ -371,7 +372,7 @@ static void widen_list(gw_neighbours *search, size_t surfel, wide_search *wide,
 	const spread own = find_spread(s, surfel, list->index, list->count);
 	bool line = lies_on_line(s, surfel, list, NEAREST_KEPT, LINE_SHARE_NEAREST) ||
 				lies_on_line(s, surfel, list, list->count, LINE_SHARE);
-	if (!line && !is_strip(&own))
+	if (!line && (s->normals_given == s->count || !is_strip(&own)))
 		return;
 	if (!search_wide(search, surfel, wide) || (!line && !is_noise_across(s, surfel, &own, wide)))
 		return;
