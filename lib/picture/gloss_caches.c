@@ -14,7 +14,7 @@
 #define CACHES_MOST 16384u
 
 /* Directions that a pixel looks in. */
-#define LOOKS 16u
+#define LOOKS 32u
 
 /* What is seen at a grazing angle is further apart than it seems, but no more than by this counts.
  */

@@ -152,6 +152,14 @@ float level_of(float angle)
 	return clamp(level, 0.0f, float(GW_CACHE_LEVELS - 1u));
 }
 
+/* What is read of the finest level was spread over a texel by its ray, and is again between four: by
+ * a quarter of its solid angle, of which facets that turn half as far have a quarter. The lobe is
+ * that much narrower, and as wide as it should be thereafter. */
+float narrowed(float alpha)
+{
+	return sqrt(max(alpha * alpha - GW_CACHE_ANGLE / 16.0f, 0.001f));
+}
+
 /* A tangent that turns with the eye, so that neighbours look in the same directions around it. */
 vec3 tangent_to_eye(vec3 normal, vec3 to_eye)
 {
@@ -167,7 +175,7 @@ void main()
 		return;
 	vec3 g = pixel_position[i].xyz;
 	float roughness = pixel_position[i].w, reflectance = pixel_normal[i].w;
-	float alpha = roughness * roughness;
+	float alpha = narrowed(roughness * roughness);
 	vec3 to_eye = normalize(push.eye.xyz - g);
 	vec3 normal = face_eye(pixel_normal[i].xyz, to_eye);
 	find_near(g, texelFetch(pixel_screen, int(push.pixel_first + push.first + i)).xy);
