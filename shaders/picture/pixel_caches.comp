@@ -152,9 +152,9 @@ float level_of(float angle)
 	return clamp(level, 0.0f, float(GW_CACHE_LEVELS - 1u));
 }
 
-/* What is read of the finest level was spread over a texel by its ray, and is again between four: by
- * a quarter of its solid angle, of which facets that turn half as far have a quarter. The lobe is
- * that much narrower, and as wide as it should be thereafter. */
+/* What is read of the finest level was spread over a texel by its ray, and is again between four:
+ * by a quarter of its solid angle, of which facets that turn half as far have a quarter. The lobe
+ * is that much narrower, and as wide as it should be thereafter. */
 float narrowed(float alpha)
 {
 	return sqrt(max(alpha * alpha - GW_CACHE_ANGLE / 16.0f, 0.001f));
@@ -186,7 +186,8 @@ void main()
 	for (uint k = 0u; k < push.looks; k++) {
 		/* A spiral by the golden angle, whose rings are of the same chance. */
 		float ring = float(k) + 0.5f, looks = float(push.looks);
-		vec3 facet = visible_facet(eye, alpha, vec2(fract(ring * 0.618033988749895f), ring / looks));
+		vec2 u = vec2(fract(ring * 0.618033988749895f), ring / looks);
+		vec3 facet = visible_facet(eye, alpha, u);
 		vec3 way = thrown_by(eye, facet);
 		float level = level_of(1.0f / (looks * facet_density(eye, alpha, facet.z)));
 		vec3 seen = look_around(normalize(t * way.x + b * way.y + normal * way.z), level);
