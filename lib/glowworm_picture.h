@@ -492,11 +492,16 @@ typedef struct gw_pixels {
 	const float *position; /* 4 * count: metres in the surfels' local frame; roughness, 0..1 */
 	const float *normal;   /* 4 * count: unit; reflectance at normal incidence, 0..1 */
 	float eye[3];          /* metres in the local frame */
+	/* Where they stand in their picture, for caches; else NULL and 0. */
+	const uint32_t *place; /* count: row * width + column, ascending */
+	uint32_t width, height;
+	float step; /* width of a pixel at a distance of 1 */
 } gw_pixels;
 
 typedef struct gw_reflection {
 	uint32_t rays; /* a pixel whose surface is rough, at least 1; a mirror takes one */
 	bool cone;     /* one cone instead; needs bricks */
+	bool caches;   /* rough pixels share radiance caches instead; needs gw_pixels.place */
 	float sky[3];  /* even radiance of what meets nothing, besides gw_render_octree_set_sky */
 	uint32_t seed;
 	bool (*cancelled)(void *user); /* NULL or asked between rays */

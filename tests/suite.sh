@@ -172,7 +172,7 @@ for item in "$@"; do
 		;;
 	shaders)
 		GLOWWORM_TEST_PASSES=device GLOWWORM_TEST_VALIDATE=calls run_programs "$build" 1 \
-			tests/physics/test_{boundaries,leaks,shadow_map,portals,glossy}.c
+			tests/physics/test_{boundaries,leaks,shadow_map,portals,glossy,gloss_caches}.c
 		;;
 	cli) run_cli "$build" ;;
 	interop) run_cli "$build" tests/interop/*.sh ;;

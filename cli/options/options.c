@@ -135,6 +135,7 @@ static const char *glossy_name(int i)
 	static const char *const name[] = { [SETTINGS_GLOSSY_OFF] = "off",
 										[SETTINGS_GLOSSY_RAYS] = "rays",
 										[SETTINGS_GLOSSY_CONES] = "cones",
+										[SETTINGS_GLOSSY_CACHES] = "caches",
 										[SETTINGS_GLOSSY_COUNT] = NULL };
 	return name[i];
 }
@@ -388,7 +389,9 @@ const option options[] = {
 	{ "glossy", 0, NULL, OPTION_CHOICE, FOR(RENDER), AT(render.glossy), .choice = glossy_name,
 	  .group = "Light",
 	  .help = "how glossy points (column specular) of a lit cloud reflect what is around them: by "
-			  "rays; by one cone a pixel, free of noise but blurred and leaky; or not" },
+			  "rays; by one cone a pixel, free of noise but blurred and leaky; by radiance caches "
+			  "that rough pixels share, many times as quick (roughness 0.3 and above; the rest by "
+			  "rays); or not" },
 	{ "effects", 0, "LIST", OPTION_EFFECTS, FOR(RENDER), AT(render.effects),
 	  .choice = picture_effect_name, .group = "Picture",
 	  .help = "-gloss shows glossy points by the light that a bake gave them, as `--glossy off` "

@@ -21,7 +21,6 @@
 
 typedef struct filter {
 	const gw_pixels *pixels;
-	const size_t *place;
 	uint32_t width, height, rays;
 	uint32_t *listed; /* of each pixel of the picture, its number plus one */
 	float *light;     /* 3 a pixel: reflected light over the share */
@@ -51,7 +50,8 @@ static bool same_surface(const gw_pixels *p, size_t a, size_t b)
 static void smooth(const filter *f, size_t pixel, float *reflected)
 {
 	int reach = reach_of(f, pixel);
-	int x = (int)(f->place[pixel] % f->width), y = (int)(f->place[pixel] / f->width);
+	int x = (int)(f->pixels->place[pixel] % f->width),
+		y = (int)(f->pixels->place[pixel] / f->width);
 	float sum[3] = { 0 }, count = 0.0f;
 	for (int v = y - reach; v <= y + reach; v++)
 		for (int u = x - reach; u <= x + reach; u++) {
@@ -73,7 +73,8 @@ static void smooth(const filter *f, size_t pixel, float *reflected)
 static void spread_speck(const filter *f, size_t pixel)
 {
 	size_t near[8], count = 0;
-	int x = (int)(f->place[pixel] % f->width), y = (int)(f->place[pixel] / f->width);
+	int x = (int)(f->pixels->place[pixel] % f->width),
+		y = (int)(f->pixels->place[pixel] / f->width);
 	float brightest[3] = { 0 };
 	for (int v = y - 1; v <= y + 1; v++)
 		for (int u = x - 1; u <= x + 1; u++) {
@@ -96,17 +97,16 @@ static void spread_speck(const filter *f, size_t pixel)
 	}
 }
 
-gw_status gloss_filter_apply(const gloss_picture *picture, uint32_t rays, float *reflected,
+gw_status gloss_filter_apply(const gw_pixels *pixels, uint32_t rays, float *reflected,
 							 gw_error *error)
 {
-	const gw_pixels *pixels = picture->pixels;
-	filter f = { pixels, picture->place, picture->width, picture->height, rays, NULL, NULL };
+	filter f = { pixels, pixels->width, pixels->height, rays, NULL, NULL };
 	f.listed = calloc((size_t)f.width * f.height, sizeof *f.listed);
 	f.light = calloc(pixels->count + 1, 3 * sizeof *f.light);
 	bool good = f.listed && f.light;
 	for (size_t i = 0; i < pixels->count && good; i++) {
 		float share = reflected[4 * i + 3];
-		f.listed[f.place[i]] = (uint32_t)i + 1;
+		f.listed[pixels->place[i]] = (uint32_t)i + 1;
 		for (size_t k = 0; k < 3; k++)
 			f.light[3 * i + k] = share > 0.0f ? reflected[4 * i + k] / share : 0.0f;
 	}

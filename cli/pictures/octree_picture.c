@@ -15,7 +15,7 @@
 typedef struct asked {
 	gw_pixels pixels;
 	float *position, *normal, *answer; /* 4 a pixel */
-	size_t *place;                     /* of each in the picture */
+	uint32_t *place;                   /* of each in the picture */
 } asked;
 
 uint32_t octree_picture_channels(const settings *s)
@@ -63,7 +63,8 @@ gw_status octree_picture_open(const settings *s, const render_scene *scene, octr
 						   .cubic = s->render.radiance == SETTINGS_RADIANCE_TRICUBIC,
 						   .reflection = { .rays = s->render.glossy_rays,
 										   .cancelled = is_cancelled,
-										   .cone = s->render.glossy == SETTINGS_GLOSSY_CONES } };
+										   .cone = s->render.glossy == SETTINGS_GLOSSY_CONES,
+										   .caches = s->render.glossy == SETTINGS_GLOSSY_CACHES } };
 	p->glossy = settings_shows_gloss(s) && is_glossy(scene);
 	p->reflection.cone = p->reflection.cone && p->glossy;
 	if (!p->glossy && !p->voxels)
@@ -126,7 +127,7 @@ static gw_status ask(const render_scene *scene, const gw_camera *camera, const g
 	for (size_t i = 0; a->place && i < pixels; i++)
 		if (g->coverage[i] > 0.0f &&
 			(!glossy || channel_of(scene, g, i, RENDER_SPECULAR, 0, 0.0f) > 0.0f))
-			a->place[count++] = i;
+			a->place[count++] = (uint32_t)i;
 	a->position = calloc(count + 1, 4 * sizeof *a->position);
 	a->normal = calloc(count + 1, 4 * sizeof *a->normal);
 	a->answer = calloc(count + 1, 4 * sizeof *a->answer);
@@ -142,7 +143,13 @@ static gw_status ask(const render_scene *scene, const gw_camera *camera, const g
 		a->normal[4 * j + 3] =
 			glossy_points_share((double)channel_of(scene, g, i, RENDER_SPECULAR, 0, 0.0f), 0.0f);
 	}
-	a->pixels = (gw_pixels){ .count = count, .position = a->position, .normal = a->normal };
+	a->pixels = (gw_pixels){ .count = count,
+							 .position = a->position,
+							 .normal = a->normal,
+							 .place = a->place,
+							 .width = g->width,
+							 .height = g->height,
+							 .step = (float)(2.0 * camera->tangent / (double)g->height) };
 	for (int k = 0; k < 3; k++)
 		a->pixels.eye[k] = (float)(camera->position[k] - scene->surfels.origin[k]);
 	return GW_OK;
@@ -232,8 +239,7 @@ static gw_status reflect(octree_picture *p, const render_scene *scene, const gw_
 	if (status == GW_OK)
 		status = gw_render_octree_reflect(p->octree, &a.pixels, &p->reflection, a.answer, error);
 	if (status == GW_OK && !p->reflection.cone)
-		status = gloss_filter_apply(&(gloss_picture){ &a.pixels, a.place, g->width, g->height },
-									p->reflection.rays, a.answer, error);
+		status = gloss_filter_apply(&a.pixels, p->reflection.rays, a.answer, error);
 	for (size_t j = 0; status == GW_OK && j < a.pixels.count; j++) {
 		size_t i = a.place[j];
 		float specular = a.normal[4 * j + 3], left = 1.0f - a.answer[4 * j + 3];

@@ -62,6 +62,17 @@ static const way ways[] = {
 	  .read_back = "by whoever takes them: the four best for each cell of a grid are named",
 	  .source = "Wang 2018, Automatic Placement of Radiance Probes",
 	  .good_for = "engines that show the scan with things that move in it" },
+	{ .name = "caches",
+	  .call = "render --glossy caches",
+	  .place =
+		  "at pixels: one for each cluster of those that lie near each other, in a tile of the "
+		  "picture and in depth, and face the same way",
+	  .trace = "one ray through each texel of a hemisphere",
+	  .basis = "a hemisphere of 16 x 16 texels of radiance and distance, and coarser ones",
+	  .read_back = "from the caches that are near in the scene and in the picture, in directions "
+				   "that share the gloss of the pixel, each as coarse as its share is wide",
+	  .source = "Rehfeld, Zirr and Dachsbacher, Clustered Pre-convolved Radiance Caching",
+	  .good_for = "pictures of rough glossy surfaces: a wet cave" },
 };
 
 enum { WAYS = sizeof ways / sizeof *ways, LINES = 7 };

@@ -8,6 +8,7 @@
 #include "octree/octree_layout.h"
 #include "light/shadow_layout.h"
 #include "light/transport_layout.h"
+#include "picture/gloss_cache.h"
 
 #include <assert.h>
 
@@ -131,6 +132,12 @@ static const gw_pass_row table[GW_PASS_COUNT] = {
 	[GW_PASS_PIXEL_BRICKS] = { "pixel_bricks", "ttmmsss", sizeof(gw_cone_push), 64,
 							   .why = SAMPLER },
 	[GW_PASS_CELL_BRICKS] = { "cell_bricks", "ttmmss", sizeof(gw_cone_push), .why = SAMPLER },
+	[GW_PASS_CACHE_RAYS] = { "cache_rays", "ttttttttttttttsttt", sizeof(gw_cache_push), 4096,
+							 .cpu = gw_cpu_cache_rays },
+	[GW_PASS_CACHE_MIPS] = { "cache_mips", "s", sizeof(gw_cache_push), GW_CACHE_TEXELS,
+							 .cpu = gw_cpu_cache_mips },
+	[GW_PASS_PIXEL_CACHES] = { "pixel_caches", "ttttttsss", sizeof(gw_cache_push), 4096,
+							   .cpu = gw_cpu_pixel_caches },
 };
 
 const gw_pass_row *gw_pass_row_of(gw_pass_id id)

@@ -69,6 +69,9 @@ typedef enum gw_pass_id {
 	GW_PASS_PIXEL_CONE,
 	GW_PASS_PIXEL_BRICKS,
 	GW_PASS_CELL_BRICKS,
+	GW_PASS_CACHE_RAYS,
+	GW_PASS_CACHE_MIPS,
+	GW_PASS_PIXEL_CACHES,
 	GW_PASS_COUNT
 } gw_pass_id;
 
@@ -111,5 +114,6 @@ gw_cpu_kernel gw_cpu_record_rays, gw_cpu_record_again, gw_cpu_record_emitters, g
 gw_cpu_kernel gw_cpu_facet_weights, gw_cpu_facet_shade, gw_cpu_read_back;
 gw_cpu_kernel gw_cpu_volume_rays, gw_cpu_volume_fill, gw_cpu_volume_weights, gw_cpu_volume_read;
 gw_cpu_kernel gw_cpu_probe_sight, gw_cpu_probe_rays;
+gw_cpu_kernel gw_cpu_cache_rays, gw_cpu_cache_mips, gw_cpu_pixel_caches;
 
 #endif

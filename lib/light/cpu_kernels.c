@@ -3,6 +3,7 @@
  */
 #include "light/cpu_loop.h"
 #include "light/transport_layout.h"
+#include "picture/gloss_cache.h"
 
 #define CHUNK 4096u       /* facets, surfels or rays that a thread takes at a time */
 #define CHUNK_POINTS 512u /* points that look for records */
@@ -185,4 +186,26 @@ void gw_cpu_probe_rays(gw_passes *passes, const gw_binding *b, const void *push,
 	gw_kernel_loop(passes, GW_PASS_PROBE_RAYS,
 				   (gw_kernel_run){ .kernel = gw_kernel_probe_rays, .bindings = b, .push = push },
 				   count, CHUNK_POINTS);
+}
+
+void gw_cpu_cache_rays(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
+{
+	gw_kernel_loop(passes, GW_PASS_CACHE_RAYS,
+				   (gw_kernel_run){ .kernel = gw_kernel_cache_rays, .bindings = b, .push = push },
+				   count, CHUNK);
+}
+
+void gw_cpu_cache_mips(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
+{
+	gw_kernel_loop(passes, GW_PASS_CACHE_MIPS,
+				   (gw_kernel_run){ .kernel = gw_kernel_cache_mips, .bindings = b, .push = push },
+				   count, chunk_of(CHUNK_HITS, GW_CACHE_TEXELS));
+}
+
+void gw_cpu_pixel_caches(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
+{
+	const gw_cache_push *p = push;
+	gw_kernel_loop(passes, GW_PASS_PIXEL_CACHES,
+				   (gw_kernel_run){ .kernel = gw_kernel_pixel_caches, .bindings = b, .push = push },
+				   count, chunk_of(CHUNK, p->looks));
 }

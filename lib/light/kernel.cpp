@@ -12,6 +12,7 @@
 #include "device/sort_layout.h"
 #include "octree/trace_constants.h"
 #include "light/transport_layout.h"
+#include "picture/gloss_cache.h"
 
 #define TEXELS(slot, texel, name) const texels<texel> name = texels<texel>(bytes_of(slot))
 #define BUFFER(slot, access, type, name) type *const name = static_cast<type *>(bytes_of(slot))

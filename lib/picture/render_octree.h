@@ -7,6 +7,7 @@
 #include "glowworm_picture.h"
 #include "light/gather_cones.h"
 #include "light/sky_map.h"
+#include "picture/gloss_cache.h"
 
 /* What gw_render_octree of glowworm_picture.h is. */
 struct gw_render_octree {
@@ -20,5 +21,11 @@ struct gw_render_octree {
 	float scale;    /* of the radiance in the bricks */
 	gw_sky_map sky; /* width 0: there is none */
 };
+
+/* From metres to grid coordinates. */
+void gw_render_octree_to_grid(const gw_render_octree *octree, const float metres[3], float grid[3]);
+
+/* The sky's texels; where there are none, any that passes can have bound. */
+gw_binding gw_render_octree_sky(const gw_render_octree *octree);
 
 #endif

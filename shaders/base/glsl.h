@@ -185,6 +185,11 @@ GLSL_OPERATORS(*)
 GLSL_OPERATORS(/)
 #undef GLSL_OPERATORS
 
+inline vec4 operator*(vec4 a, float b)
+{
+	return vec4(a.x * b, a.y * b, a.z * b, a.w * b);
+}
+
 inline vec3 operator-(vec3 v)
 {
 	return vec3(-v.x, -v.y, -v.z);
@@ -394,6 +399,11 @@ inline float exp2(float v)
 	return exp2f(v);
 }
 
+inline float log2(float v)
+{
+	return log2f(v);
+}
+
 inline float sin(float v)
 {
 	return sinf(v);
@@ -410,6 +420,16 @@ inline float acos(float v)
 }
 
 inline float mix(float a, float b, float share)
+{
+	return a * (1.0f - share) + b * share;
+}
+
+inline vec3 mix(vec3 a, vec3 b, float share)
+{
+	return a * (1.0f - share) + b * share;
+}
+
+inline vec4 mix(vec4 a, vec4 b, float share)
 {
 	return a * (1.0f - share) + b * share;
 }

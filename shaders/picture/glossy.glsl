@@ -13,32 +13,48 @@
 #include "base/sampling.glsl"
 
 /* Below this alpha, all facets lie within the surface: a mirror. */
-const float MIRROR_ALPHA = 1e-3;
+#define MIRROR_ALPHA 1e-3f
 
 /* Cosine below which the eye counts as grazing. */
-const float GRAZING = 1e-3;
+#define GRAZING 1e-3f
 
 float fresnel(float reflectance, float cosine)
 {
-	float c = 1.0 - clamp(cosine, 0.0, 1.0);
+	float c = 1.0f - clamp(cosine, 0.0f, 1.0f);
 	float c2 = c * c;
-	return reflectance + (1.0 - reflectance) * c2 * c2 * c;
+	return reflectance + (1.0f - reflectance) * c2 * c2 * c;
 }
 
 /* A facet's normal. All in the surface's frame, whose z is the normal; u in [0, 1)^2. */
 vec3 visible_facet(vec3 eye, float alpha, vec2 u)
 {
-	vec3 stretched = normalize(vec3(alpha * eye.xy, eye.z));
-	float phi = 2.0 * GW_PI * u.x;
-	float z = (1.0 - u.y) * (1.0 + stretched.z) - stretched.z;
-	float s = sqrt(max(0.0, 1.0 - z * z));
+	vec3 stretched = normalize(vec3(alpha * eye.x, alpha * eye.y, eye.z));
+	float phi = 2.0f * GW_PI * u.x;
+	float z = (1.0f - u.y) * (1.0f + stretched.z) - stretched.z;
+	float s = sqrt(max(0.0f, 1.0f - z * z));
 	vec3 h = vec3(s * cos(phi), s * sin(phi), z) + stretched;
-	return normalize(vec3(alpha * h.xy, max(h.z, 1e-6)));
+	return normalize(vec3(alpha * h.x, alpha * h.y, max(h.z, 1e-6f)));
+}
+
+/* How densely these facets throw the light's directions, a steradian; z: of the facet's normal. */
+float facet_density(vec3 eye, float alpha, float z)
+{
+	float a2 = alpha * alpha, spread = z * z * (a2 - 1.0f) + 1.0f;
+	float seen = eye.z + sqrt(a2 + (1.0f - a2) * eye.z * eye.z);
+	return a2 / (GW_PI * spread * spread * 2.0f * seen);
+}
+
+/* Where a facet throws light from, mirrored at the surface if that is below. */
+vec3 thrown_by(vec3 eye, vec3 facet)
+{
+	vec3 light = facet * (2.0f * dot(eye, facet)) - eye;
+	light.z = max(abs(light.z), GRAZING);
+	return normalize(light);
 }
 
 /* Normals that turn away from the eye by up to the arc sine of this are those of a rim, rough in
  * the blended normals; by more, those of a surface seen from behind. */
-const float RIM = 0.4;
+#define RIM 0.4f
 
 /* The surface's normal on the eye's side, and not quite edge-on. */
 vec3 face_eye(vec3 normal, vec3 to_eye)
@@ -50,15 +66,15 @@ vec3 face_eye(vec3 normal, vec3 to_eye)
 
 /* The k-th direction that light comes from; share: how much of it is reflected. */
 vec3 reflected_direction(vec3 normal, vec3 to_eye, float roughness, float reflectance, vec2 u,
-						 out float share)
+						 OUT(float) share)
 {
 	float alpha = roughness * roughness;
 	vec3 t, b;
 	tangent_frame(normal, t, b);
 	vec3 eye = vec3(dot(t, to_eye), dot(b, to_eye), dot(normal, to_eye));
-	vec3 facet = alpha < MIRROR_ALPHA ? vec3(0.0, 0.0, 1.0) : visible_facet(eye, alpha, u);
+	vec3 facet = alpha < MIRROR_ALPHA ? vec3(0.0f, 0.0f, 1.0f) : visible_facet(eye, alpha, u);
 	float cosine = dot(eye, facet);
-	vec3 light = 2.0 * cosine * facet - eye;
+	vec3 light = facet * (2.0f * cosine) - eye;
 	light.z = max(abs(light.z), GRAZING);
 	share = fresnel(reflectance, cosine);
 	return normalize(t * light.x + b * light.y + normal * light.z);

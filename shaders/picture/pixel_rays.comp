@@ -47,39 +47,13 @@ layout(push_constant) uniform Push
 #define TRACE_OPACITY
 #include "octree/octree_discs.glsl"
 #include "octree/trace.glsl"
+#include "picture/disc_light.glsl"
 #include "picture/sky_seen.glsl"
 
 /* Share of the light reflected from which on a pixel takes all its rays, and the fewest that a
  * rough one takes. */
 const float STRONG = 0.3;
 const uint LEAST_RAYS = 8u;
-
-/* The discs of a facet at a place, blended with a weight that falls to nothing at the rim. Where
- * none reaches, all of them alike. */
-vec3 radiance_at(uint facet, vec3 at)
-{
-	uint first = texelFetch(leaf_fragment, int(facet >> 1)).x;
-	uint last = texelFetch(leaf_fragment, int(facet >> 1) + 1).x;
-	vec3 near = vec3(0.0), all = vec3(0.0);
-	float near_weight = 0.0, all_weight = 0.0;
-	for (uint f = first; f < last; f++) {
-		uint word = texelFetch(fragment_surfel, int(f)).x;
-		if ((word >> 31) != 0u || ((word >> 30) & 1u) != (facet & 1u))
-			continue;
-		int surfel = int(word & 0x3fffffffu);
-		vec3 off = at - texelFetch(surfel_place, surfel).xyz;
-		vec3 facing = texelFetch(surfel_facing, surfel).xyz;
-		off -= facing * dot(facing, off);
-		float radius = texelFetch(surfel_disc, surfel).x;
-		float weight = max(0.0, 1.0 - dot(off, off) / (radius * radius));
-		vec3 radiance = texelFetch(surfel_radiance, surfel).xyz;
-		near += weight * weight * radiance;
-		near_weight += weight * weight;
-		all += radiance;
-		all_weight += 1.0;
-	}
-	return near_weight > 1e-6 ? near / near_weight : all / max(all_weight, 1.0);
-}
 
 /* What is hardly reflected may be noisy: the rest of the light hides it. */
 uint rays_of(float roughness, float share)

@@ -20,9 +20,9 @@ vec3 sky_seen(vec3 direction)
 		return push.sky.xyz;
 	float up = push.sky_y_up != 0u ? direction.y : direction.z;
 	float north = push.sky_y_up != 0u ? -direction.z : direction.y;
-	float turn = abs(up) < 1.0 ? atan(direction.x, north) / (2.0 * GW_PI) : 0.0;
-	float x = fract(turn + 0.5 - push.sky_turn) * float(push.sky_width) - 0.5;
-	float y = acos(clamp(up, -1.0, 1.0)) / GW_PI * float(push.sky_height) - 0.5;
+	float turn = abs(up) < 1.0f ? atan(direction.x, north) / (2.0f * GW_PI) : 0.0f;
+	float x = fract(turn + 0.5f - push.sky_turn) * float(push.sky_width) - 0.5f;
+	float y = acos(clamp(up, -1.0f, 1.0f)) / GW_PI * float(push.sky_height) - 0.5f;
 	int column = int(floor(x)), row = int(floor(y));
 	vec3 above = mix(sky_texel_of(column, row), sky_texel_of(column + 1, row), fract(x));
 	vec3 below = mix(sky_texel_of(column, row + 1), sky_texel_of(column + 1, row + 1), fract(x));

@@ -18,7 +18,7 @@ run 0 compare first.ply some.ply --max-relrmse 0 >figures.txt
 
 small='--size 160x120 --exposure 0 --samples 1'
 # shellcheck disable=SC2086
-for how in off rays cones; do
+for how in off rays cones caches; do
 	run 0 render lit.ply -o $how.png $small --glossy $how
 done
 data() { # the pixels of a PNG, without what it says of itself
@@ -31,6 +31,30 @@ for how in off rays cones; do
 done
 cmp -s off.png.data rays.png.data && echo "no gloss to be seen"
 cmp -s rays.png.data cones.png.data && echo "no cones to be seen"
+# Points of roughness 0.25 take rays, those of 0.5 do not; and an orbit by caches is the same for any
+# number of threads, its first picture that of one alone.
+data caches.png
+cmp rays.png.data caches.png.data && echo "0.25 is too smooth for caches"
+sed 's/0.25/0.5/' box.scene.json >rough.scene.json
+run 0 bake rough.scene.json -o rough.ply -q --estimate-points 0 --bounces 2
+around="$small --camera 'at 0,-3.4,1 to 0,0,1 fov 46'"
+for threads in 1 2; do
+	# shellcheck disable=SC2086
+	eval run 0 render rough.ply -o orbit$threads.png -q $around --glossy caches -j $threads --orbit 3
+done
+# shellcheck disable=SC2086
+eval run 0 render rough.ply -o rough.png $around --glossy caches
+# shellcheck disable=SC2086
+eval run 0 render rough.ply -o rough-rays.png $around --glossy rays
+for name in orbit1-0001 orbit1-0002 orbit1-0003 orbit2-0001 orbit2-0002 orbit2-0003 rough rough-rays; do
+	data $name.png
+done
+for picture in 1 2 3; do
+	cmp orbit1-000$picture.png.data orbit2-000$picture.png.data
+done
+cmp orbit1-0001.png.data rough.png.data && echo "the first of an orbit"
+cmp -s orbit1-0001.png.data orbit1-0002.png.data && echo "does not turn"
+cmp -s rough.png.data rough-rays.png.data && echo "no caches to be seen"
 for how in trilinear tricubic; do
 	run 0 render lit.ply -o $how.png $small --glossy off --radiance $how
 	data $how.png
@@ -56,12 +80,13 @@ awk 'BEGIN {
 view="--size 96x64 --samples 1 --exposure 0 --tone none"
 camera='at 0.5,0.2,0.1 to -1,-0.3,-1 fov 90'
 # shellcheck disable=SC2086
-for how in off rays; do
+for how in off rays caches; do
 	run 0 render furnace.ply -o furnace-$how.png $view --camera "$camera" --glossy $how \
 		--light "sky radiance 0.5"
 	data furnace-$how.png
 done
 cmp furnace-off.png.data furnace-rays.png.data && echo "the furnace is white"
+cmp furnace-off.png.data furnace-caches.png.data && echo "by caches, too"
 # An even map is as an even sky: 128.5 / 128 times 0.498 is 0.5. Other lamps are not reflected.
 {
 	printf '#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n'

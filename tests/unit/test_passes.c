@@ -14,6 +14,7 @@
 #include "device/gpu_internal.h"
 #include "device/passes.h"
 #include "device/prefix_sum.h"
+#include "glowworm_picture.h"
 #include "glowworm_probes.h"
 #include "expected.h"
 #include "scenes.h"
@@ -80,6 +81,9 @@ static const struct {
 	[GW_PASS_VOLUME_READ] = { "==l", 0 },
 	[GW_PASS_PROBE_SIGHT] = { "l", 0 },
 	[GW_PASS_PROBE_RAYS] = { "hd", 0 },
+	[GW_PASS_CACHE_RAYS] = { "l", 0 },
+	[GW_PASS_CACHE_MIPS] = { "+", 4 },
+	[GW_PASS_PIXEL_CACHES] = { "==l", 0 },
 };
 
 /* Elements that went both ways so far, and of those the ones with portals, or a map for rays. */
@@ -527,6 +531,50 @@ static void frames_both_ways(void **state)
 	scene_clear(&s);
 }
 
+/* Glossy pixels on the floor of a box, which share caches. */
+static void caches_both_ways(void **state)
+{
+	enum { PIXELS = 32 * 32 };
+	scene s = { 0 };
+	gw_surfels surfels;
+	gw_render_octree *octree = NULL;
+	gw_error error = { 0 };
+	gw_render_octree_options how = { .depth = GW_DEPTH_AUTO, .leaf_spacing = GW_LEAF_SPACING };
+	const gw_reflection reflection = { .rays = 1, .caches = true };
+	float position[4 * PIXELS], normal[4 * PIXELS], reflected[4 * PIXELS];
+	uint32_t place[PIXELS];
+	(void)state;
+	scene_add_box(&s, (double[3]){ 0, 0, 0 }, (double[3]){ 1, 1, 1 }, 20, 0.5f);
+	const gw_points points = scene_points(&s);
+	assert_ok(gw_surfels_make(&points, &(gw_surfels_options){ 0 }, &surfels, &error), &error);
+	gw_pixels pixels = { .count = PIXELS,
+						 .position = position,
+						 .normal = normal,
+						 .place = place,
+						 .width = 32,
+						 .height = 32,
+						 .step = 1.0f / 32.0f };
+	for (size_t k = 0; k < 3; k++)
+		pixels.eye[k] = (float)((k == 2 ? 0.9 : 0.5) - surfels.origin[k]);
+	for (uint32_t i = 0; i < PIXELS; i++) {
+		const double at[3] = { 0.1 + 0.025 * (i % 32), 0.1 + 0.025 * (double)(i / 32), 0.0 };
+		for (size_t k = 0; k < 3; k++) {
+			position[4 * i + k] = (float)(at[k] - surfels.origin[k]);
+			normal[4 * i + k] = k == 2 ? 1.0f : 0.0f;
+		}
+		position[4 * i + 3] = 0.5f;
+		normal[4 * i + 3] = 0.5f;
+		place[i] = i;
+	}
+	scene_choose_passes(&how.passes, &how.validate);
+	/* Their positions are as good as random numbers. */
+	assert_ok(gw_render_octree_create(&surfels, surfels.position, &how, &octree, &error), &error);
+	assert_ok(gw_render_octree_reflect(octree, &pixels, &reflection, reflected, &error), &error);
+	gw_render_octree_destroy(&octree);
+	gw_surfels_clear(&surfels);
+	scene_clear(&s);
+}
+
 /* All kernels of the table were met; on a device that has memory of its own there is nothing to
  * meet. */
 static void none_left_out(void **state)
@@ -697,9 +745,9 @@ int main(void)
 		cmocka_unit_test(lamps_both_ways),   cmocka_unit_test(large_discs_both_ways),
 		cmocka_unit_test(volume_both_ways),  cmocka_unit_test(sky_both_ways),
 		cmocka_unit_test(portals_both_ways), cmocka_unit_test(probes_both_ways),
-		cmocka_unit_test(frames_both_ways),  cmocka_unit_test(none_left_out),
-		cmocka_unit_test(choices_alike),     cmocka_unit_test(kernels_refused),
-		cmocka_unit_test(passes_are_kept),
+		cmocka_unit_test(frames_both_ways),  cmocka_unit_test(caches_both_ways),
+		cmocka_unit_test(none_left_out),     cmocka_unit_test(choices_alike),
+		cmocka_unit_test(kernels_refused),   cmocka_unit_test(passes_are_kept),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
