@@ -227,6 +227,8 @@ typedef enum gw_method {
 	GW_METHOD_CONES, /* records gather by cones in the anisotropic pyramid, anew every bounce */
 	GW_METHOD_VOLUME, /* cells of a uniform grid gather by rays and keep spherical harmonics, from
 						 which records and points read (Mavridis and Papaioannou) */
+	GW_METHOD_BUFFERS, /* records draw nodes of the octree and facets into small buffers; what these
+						  show is stored once (Harada) */
 	GW_METHOD_COUNT
 } gw_method;
 
@@ -658,6 +660,7 @@ typedef struct gw_report {
 							 there are none */
 	uint64_t rays, rays_traced; /* of the records; the others kept their hits from other frames */
 	uint64_t volume_cells;      /* of a radiance volume, that have light */
+	uint64_t buffer_pieces;     /* of surface, that were drawn into buffers of records */
 	uint64_t octree_bytes;      /* tiles, keys, neighbour pointers, leaves, planes */
 	uint64_t brick_bytes;       /* 3D images */
 	uint64_t peak_bytes;        /* device memory at its highest */

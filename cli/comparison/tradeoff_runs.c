@@ -79,6 +79,7 @@ void tradeoff_plan(const gw_bake_options *base, tradeoff *t)
 	add(t, base, GW_METHOD_CONES, GW_QUALITY_DRAFT, 1.0);
 	add(t, base, GW_METHOD_CONES, GW_QUALITY_NORMAL, 1.0);
 	add(t, base, GW_METHOD_CONES, GW_QUALITY_HIGH, 1.0);
+	add(t, base, GW_METHOD_BUFFERS, GW_QUALITY_NORMAL, 1.0);
 	add_scalar(t, base);
 	for (uint32_t cells = 32; cells <= 128; cells *= 2)
 		add_volume(t, base, cells);

@@ -25,7 +25,7 @@ typedef struct tradeoff_run {
 	bool front;                 /* no other run is both as fast and as near */
 } tradeoff_run;
 
-#define TRADEOFF_RUNS 15
+#define TRADEOFF_RUNS 16
 
 typedef struct tradeoff {
 	tradeoff_run run[TRADEOFF_RUNS]; /* the first is the reference */

@@ -552,7 +552,7 @@ const option options[] = {
 	  .help = "share of the light that --bounces auto may leave out" },
 	{ "rays", 0, "N", OPTION_COUNT, FOR(BAKE | PLAN | ALBEDO | PROBES), .scene = true,
 	  AT(bake.rays), RANGE(1.0, 4096.0), .group = "Light",
-	  .help = "gather rays a record, for --method rays; "
+	  .help = "gather rays a record, for --method rays and buffers; "
 			  "a cell, for --method volume" },
 	{ "light-samples", 0, "N", OPTION_COUNT, FOR(BAKE | PLAN | ALBEDO | PROBES), .scene = true,
 	  AT(bake.light_samples), RANGE(1.0, 4096.0), .group = "Light",

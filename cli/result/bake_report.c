@@ -233,6 +233,8 @@ static void write_octree(json_writer *json, const gw_report *r)
 				  gw_basis_name(r->directional ? GW_BASIS_DIRECTIONAL : GW_BASIS_SCALAR));
 	if (r->volume_cells > 0)
 		json_put_count(json, "volume_cells", r->volume_cells);
+	if (r->buffer_pieces > 0)
+		json_put_count(json, "buffer_pieces", r->buffer_pieces);
 	json_put_single(json, "record_spacing", r->record_spacing);
 	json_put_real(json, "spacing", r->spacing);
 	json_put_real(json, "spacing_ratio", r->spacing_ratio);
@@ -504,6 +506,8 @@ static const char *how_to_close(const settings *s)
 		return "cones leave them open, --method rays --gaps mean closes them";
 	if (s->bake.method == GW_METHOD_VOLUME)
 		return "a volume leaves them open, --method rays --gaps mean closes them";
+	if (s->bake.method == GW_METHOD_BUFFERS)
+		return "buffers leave them open, --method rays --gaps mean closes them";
 	return s->bake.gaps == GW_GAPS_OPEN ? "--gaps closes them" : "--gaps has closed them";
 }
 
@@ -732,6 +736,8 @@ static void price_text(const bake_facts *f, char *text, size_t room)
 		snprintf(text, room, "; part of that is what cones are off, --method rays has less");
 	else if (f->settings->bake.method == GW_METHOD_VOLUME && r->error.points)
 		snprintf(text, room, "; more --volume-cells have less, and --method rays");
+	else if (f->settings->bake.method == GW_METHOD_BUFFERS && r->error.points)
+		snprintf(text, room, "; part of that is what buffers are off, --method rays has less");
 	else if (r->price.error > 0.0 && seconds > 0.0)
 		snprintf(text, room, "; %s %% would take about %s (--max-error %.2g)",
 				 text_percent(r->price.error, percent), time, r->price.error);

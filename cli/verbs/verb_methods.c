@@ -44,6 +44,17 @@ static const way ways[] = {
 	  .read_back = "as rays",
 	  .source = "Salm 2015, 4.4",
 	  .good_for = "comparison; open scenes that are lit from all around" },
+	{ .name = "buffers",
+	  .call = "bake --method buffers",
+	  .place = "as rays",
+	  .trace =
+		  "a buffer of each record, 16 x 16 texels, into which nodes of the octree are drawn, and "
+		  "facets where these are too coarse; what they show is kept, as of rays",
+	  .basis = "irradiance",
+	  .read_back = "as rays",
+	  .source =
+		  "Harada, A Point-based Global Illumination Rendering Pipeline for Environment Lighting",
+	  .good_for = "comparison: rays are quicker and nearer to the truth" },
 	{ .name = "volume",
 	  .call = "bake --method volume, bake --vdb-sh FILE",
 	  .place = "in the cells of a uniform grid that are free",

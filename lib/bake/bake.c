@@ -79,8 +79,9 @@ static gw_status load_transport(bake *b, gw_error *error)
 static gw_status save_transport(bake *b, gw_error *error)
 {
 	/* Whatever shone this time, a sky may the next time. */
-	GW_TRY(b->scene.options.method == GW_METHOD_RAYS ? gw_scene_open_to_sky(&b->scene, error)
-													 : GW_OK);
+	GW_TRY(b->scene.options.method == GW_METHOD_RAYS || b->scene.options.method == GW_METHOD_BUFFERS
+			   ? gw_scene_open_to_sky(&b->scene, error)
+			   : GW_OK);
 	GW_TRY(gw_lighting_foresee(&b->light, error));
 	return gw_transport_save(&b->scene, b->points, b->scene.options.transport, error);
 }

@@ -123,10 +123,20 @@ static gw_status choose_records(pilot *p, gw_error *error)
 uint64_t gw_pilot_record_bytes(const gw_scene *s)
 {
 	const gw_records *r = &s->records;
-	const gw_buffer *const buffer[] = { &r->position,       &r->normal,         &r->block_record,
-										&r->first,          &r->indirect,       &r->gathered,
-										&s->rays.facet,     &s->rays.distance,  &s->rays.through,
-										&s->sampled,        &s->sampled_moment, &r->first_moment,
+	const gw_buffer *const buffer[] = { &r->position,
+										&r->normal,
+										&r->block_record,
+										&r->first,
+										&r->indirect,
+										&r->gathered,
+										&s->rays.facet,
+										&s->rays.distance,
+										&s->rays.through,
+										&s->buffers.hits.facet,
+										&s->buffers.hits.distance,
+										&s->sampled,
+										&s->sampled_moment,
+										&r->first_moment,
 										&r->indirect_moment };
 	uint64_t bytes = 0;
 	for (size_t i = 0; i < sizeof buffer / sizeof *buffer; i++)

@@ -198,6 +198,33 @@ static gw_status first_by_rays(gw_lighting *lighting, gw_error *error)
 	return gw_ray_gather_sampled(&on, &s->rays, &sources, &s->records.first, error);
 }
 
+/* Buffers see the sky and large emitters; small emitters, the map of the sky and portals are
+ * sampled. */
+static gw_status first_by_buffers(gw_lighting *lighting, gw_error *error)
+{
+	gw_scene *s = lighting->scene;
+	const gw_record_context on = gw_scene_context(s, &s->records);
+	bool large = lighting->plan.emitters && lighting->emitters.area_share >= GW_SAMPLED_SHARE;
+	const gw_sampled_sources sources = { .emitters = &lighting->emitters,
+										 .samples = large ? 0 : s->options.light_samples,
+										 .sky = lighting->plan.sky_radiance,
+										 .map = &lighting->map,
+										 .map_samples = s->options.light_samples,
+										 .map_hits = true,
+										 .portals = &s->portals,
+										 .looked = true,
+										 .seed = (uint32_t)s->options.seed };
+	GW_TRY(open_to_sky(lighting, error));
+	gw_ray_gather hits = s->buffers.hits; /* portals are sampled alike, whatever the rays are */
+	hits.through = s->rays.through;
+	GW_TRY(gw_ray_gather_sampled(&on, &hits, &sources, &s->records.first, error));
+	if (!large)
+		return GW_OK;
+	GW_TRY(gw_micro_buffers_bounce(&on, &s->buffers, &s->octree.facet_emission, error));
+	return gw_light_add(&s->passes, &s->records.gathered, &s->records.first, s->records.count,
+						error);
+}
+
 static float largest_emission(const gw_surfels *surfels)
 {
 	float largest = 0.0f;
@@ -369,19 +396,24 @@ gw_status gw_lighting_gather_first(gw_lighting *lighting, gw_error *error)
 	else
 		gw_records_drop_moments(s->gpu, &s->records);
 	gw_method method = s->options.method;
-	GW_TRY(method == GW_METHOD_RAYS    ? first_by_rays(lighting, error)
-		   : method == GW_METHOD_CONES ? first_by_cones(lighting, error)
-									   : gw_volume_light_first(lighting, error));
+	GW_TRY(method == GW_METHOD_RAYS      ? first_by_rays(lighting, error)
+		   : method == GW_METHOD_CONES   ? first_by_cones(lighting, error)
+		   : method == GW_METHOD_BUFFERS ? first_by_buffers(lighting, error)
+										 : gw_volume_light_first(lighting, error));
 	return see_gaps(lighting, error);
 }
 
 /* ----------------------------------------------------------------------------------- bounces */
 
-static gw_status gather_by_rays(void *self, const gw_buffer *facet_radiance, float largest,
+/* By hits that are kept, of rays or buffers. */
+static gw_status gather_by_hits(void *self, const gw_buffer *facet_radiance, float largest,
 								gw_error *error)
 {
 	gw_scene *s = ((gw_lighting *)self)->scene;
+	const gw_record_context on = gw_scene_context(s, &s->records);
 	(void)largest;
+	if (s->options.method == GW_METHOD_BUFFERS)
+		return gw_micro_buffers_bounce(&on, &s->buffers, facet_radiance, error);
 	GW_TRY(gw_ray_gather_bounce(&s->passes, &s->rays, facet_radiance, &s->records, error));
 	return fill_gaps(self, error);
 }
@@ -400,22 +432,24 @@ static gw_status keep_patches(gw_lighting *lighting, const gw_buffer *facet_radi
 }
 
 /* Samples lit facets, half as often as what emits: patches carry less of the light, and of all that
- * is done for other lamps this takes the longest. part is NULL, or what is gathered of their
- * radiance. */
+ * is done for other lamps this takes the longest. Rays that hit them count as well; of buffers a
+ * texel may show more than a patch. part is NULL, or what is gathered of their radiance. */
 static gw_status sample_patches(gw_scene *s, const gw_emitters *patches, const gw_buffer *part,
 								gw_error *error)
 {
 	const gw_record_context on = gw_scene_context(s, &s->records);
 	const float black[3] = { 0 };
+	bool rays = s->options.method == GW_METHOD_RAYS;
 	const gw_sampled_sources sources = { .emitters = patches,
 										 .part = part,
 										 .samples = (s->options.light_samples + 1) / 2,
-										 .use_hits = true,
+										 .use_hits = rays,
 										 .sky = black,
 										 .looked = true,
 										 .seed = (uint32_t)s->options.seed ^ PATCH_SEED,
 										 .moment = moment_of(s, &s->records.indirect_moment) };
-	return gw_ray_gather_sampled(&on, &s->rays, &sources, &s->records.gathered, error);
+	return gw_ray_gather_sampled(&on, rays ? &s->rays : &s->buffers.hits, &sources,
+								 &s->records.gathered, error);
 }
 
 static gw_status sample_and_fill(gw_lighting *lighting, const gw_emitters *patches,
@@ -435,14 +469,14 @@ static gw_status gather_patches(void *self, const gw_buffer *facet_radiance, flo
 	if (lighting->whole)
 		return lighting->whole->patches_sampled
 				   ? sample_and_fill(lighting, &lighting->whole->patches, facet_radiance, error)
-				   : gather_by_rays(self, facet_radiance, largest, error);
+				   : gather_by_hits(self, facet_radiance, largest, error);
 	gw_emitters *patches = &lighting->patches;
 	gw_emitters_destroy(s->gpu, patches);
 	GW_TRY(gw_emitters_make(s->gpu, &s->octree, facet_radiance, false, patches, error));
 	lighting->patches_sampled = gw_emitters_are_small(patches);
 	gw_status status = lighting->patches_sampled
 						   ? sample_and_fill(lighting, patches, NULL, error)
-						   : gather_by_rays(self, facet_radiance, largest, error);
+						   : gather_by_hits(self, facet_radiance, largest, error);
 	if (status == GW_OK && lighting->kept && lighting->patches_sampled)
 		status = keep_patches(lighting, facet_radiance, error);
 	else
@@ -525,7 +559,8 @@ gw_status gw_lighting_bounce(gw_lighting *lighting, gw_error *error)
 	gw_scene *s = lighting->scene;
 	gw_report *report = s->report;
 	const gw_trace_step steps[GW_METHOD_COUNT] = {
-		[GW_METHOD_RAYS] = { gather_by_rays, gather_patches, &s->rays, lighting },
+		[GW_METHOD_RAYS] = { gather_by_hits, gather_patches, &s->rays, lighting },
+		[GW_METHOD_BUFFERS] = { gather_by_hits, gather_patches, NULL, lighting },
 		[GW_METHOD_CONES] = { .gather = gather_by_cones, .self = lighting },
 		[GW_METHOD_VOLUME] = { .gather = gw_volume_light_gather,
 							   .gather_first = gw_volume_light_gather_first,

@@ -126,6 +126,8 @@ static void plan_emitters(const gw_plan_task *task, gw_plan *plan, gw_report *re
 					 task->options->method == GW_METHOD_RAYS ? "sampled, and hit by rays"
 					 : task->options->method == GW_METHOD_CONES
 						 ? "sampled, or as light of the voxels"
+					 : task->options->method == GW_METHOD_BUFFERS
+						 ? "sampled, or seen in buffers"
 						 : "sampled, or hit by rays of the volume" };
 	plan->emitters = decide(task, c, report);
 }
@@ -170,14 +172,15 @@ static void plan_sky(const gw_plan_task *task, gw_plan *plan, gw_report *report)
 	plan->sky = decide(task, sky, report);
 	if (!plan->sky)
 		drop_sky(plan);
-	bool rays = task->options->method == GW_METHOD_RAYS;
+	bool buffers = task->options->method == GW_METHOD_BUFFERS;
+	bool rays = task->options->method == GW_METHOD_RAYS || buffers;
 	bool cones = task->options->method == GW_METHOD_CONES;
 	const call portals = { GW_EFFECT_PORTALS, plan->sky && rays,
 						   !plan->sky ? "no sky shines"
 						   : rays     ? "whether openings to the sky are few is found by rays"
 						   : cones    ? "cones see the sky themselves"
 									  : "rays of the volume see the sky themselves",
-						   "sampled beside the rays" };
+						   buffers ? "sampled beside the buffers" : "sampled beside the rays" };
 	plan->portals = decide(task, portals, report);
 }
 

@@ -133,6 +133,10 @@ static gw_status check_volume(const gw_bake_options *o, gw_error *error)
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "a volume is not refined until an error or a time is reached; ask for more "
 					   "cells, or gather by rays");
+	if (o->method == GW_METHOD_BUFFERS && gw_options_refine(o))
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "buffers are not refined until an error or a time is reached; ask for a "
+					   "higher quality, or gather by rays");
 	if (o->method == GW_METHOD_VOLUME && o->lamps)
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "the light of single lamps does not add up where a volume gathers, which "
@@ -213,8 +217,8 @@ gw_status gw_options_check(const gw_bake_options *o, const gw_scene_description 
 	if (o->gaps != GW_GAPS_OPEN && o->method != GW_METHOD_RAYS)
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "%s do%s not know gaps; leave these open, or gather by rays",
-					   o->method == GW_METHOD_CONES ? "cones" : "a volume",
-					   o->method == GW_METHOD_CONES ? "" : "es");
+					   o->method == GW_METHOD_VOLUME ? "a volume" : gw_method_name(o->method),
+					   o->method == GW_METHOD_VOLUME ? "es" : "");
 	GW_TRY(check_volume(o, error));
 	GW_TRY(check_region(o, error));
 	if (o->gap_radiance > 0.0f && (o->lamps || o->gaps != GW_GAPS_BLACK))
@@ -578,12 +582,24 @@ static gw_status make_volume(gw_scene *scene, gw_error *error)
 	return gw_volume_weigh_records(&on, &scene->volume, &scene->volume_rows, error);
 }
 
-/* Work space of cones or of a volume. */
+/* Buffers of the records, and what these show. */
+static gw_status draw_buffers(gw_scene *scene, gw_error *error)
+{
+	const gw_record_context on = gw_scene_context(scene, &scene->records);
+	const gw_bake_options *o = &scene->options;
+	GW_TRY(gw_micro_buffers_make(&on, o->rays, (uint32_t)o->seed, &scene->buffers, error));
+	scene->report->buffer_pieces = scene->buffers.drawn;
+	return GW_OK;
+}
+
+/* Work space of cones, a volume or buffers. */
 static gw_status make_pools(gw_scene *scene, gw_error *error)
 {
 	const gw_bake_options *o = &scene->options;
 	if (o->method == GW_METHOD_VOLUME)
 		return make_volume(scene, error);
+	if (o->method == GW_METHOD_BUFFERS)
+		return draw_buffers(scene, error);
 	if (o->method != GW_METHOD_CONES)
 		return GW_OK;
 	GW_TRY(gw_cone_gather_create(scene->gpu, &scene->octree, o->cones, (uint32_t)o->seed,
@@ -765,6 +781,8 @@ gw_status gw_scene_find_compartments(gw_scene *s, gw_error *error)
 	const gw_record_context on = gw_scene_context(s, &s->records);
 	const gw_record_context further = gw_scene_context(s, &s->further);
 	GW_TRY(gw_compartments_find(s->gpu, &s->surfels, s->options.threads, &s->octree, error));
+	if (s->buffers.hits.facet.handle != VK_NULL_HANDLE)
+		return gw_micro_buffers_shut_out(&on, &s->buffers, error);
 	if (s->options.method != GW_METHOD_RAYS || s->rays.facet.handle == VK_NULL_HANDLE)
 		return GW_OK;
 	GW_TRY(gw_ray_gather_shut_out(&on, &s->rays, error));
@@ -818,6 +836,7 @@ void gw_scene_drop_records(gw_scene *scene)
 	gw_cone_gather_destroy(scene->gpu, &scene->cones);
 	gw_volume_rows_destroy(scene->gpu, &scene->volume_rows);
 	gw_radiance_volume_destroy(scene->gpu, &scene->volume);
+	gw_micro_buffers_destroy(scene->gpu, &scene->buffers);
 	gw_ray_gather_destroy(scene->gpu, &scene->rays);
 	gw_portals_destroy(scene->gpu, &scene->portals);
 	gw_records_destroy(scene->gpu, &scene->records);

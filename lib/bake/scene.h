@@ -15,6 +15,7 @@
 
 #include "estimate/error_estimate.h"
 #include "light/gather_cones.h"
+#include "light/micro_buffers.h"
 #include "light/kept_hits.h"
 #include "light/moments.h"
 #include "light/read_back.h"
@@ -67,10 +68,11 @@ struct gw_scene {
 	gw_octree octree;
 	gw_passes passes;
 	gw_records records;
-	gw_ray_gather rays;         /* hits that serve every bounce; of a few rays where cones gather */
-	gw_cone_gather cones;       /* empty but for GW_METHOD_CONES */
-	gw_radiance_volume volume;  /* empty but for GW_METHOD_VOLUME, as are: */
+	gw_ray_gather rays;        /* hits that serve every bounce; of a few rays where others gather */
+	gw_cone_gather cones;      /* empty but for GW_METHOD_CONES */
+	gw_radiance_volume volume; /* empty but for GW_METHOD_VOLUME, as are: */
 	gw_volume_rows volume_rows; /* the cells that light each record */
+	gw_micro_buffers buffers;   /* empty but for GW_METHOD_BUFFERS */
 	gw_read_back read_back;
 	/* What the points that emit brought to the records, once it is known: it depends on
 	 * their emission, but not on lamps. */

@@ -172,7 +172,7 @@ static gw_status put_right(const gw_record_context *on, gw_radiance_volume *v, g
 		gw_volume_centre(v, v->cell[i], centre);
 		label[i] = gw_compartment_at(on->octree, centre);
 	}
-	const gw_labelled_rays rays = { label, v->count, v->rays };
+	const gw_labelled_rays rays = { .label = label, .count = v->count, .rays = v->rays };
 	gw_status status = gw_shut_out_hits_of(on, &rays, &v->hit, error);
 	free(label);
 	return status;

@@ -184,7 +184,7 @@ static gw_status turn_hits(const gw_record_context *on, const gw_labelled_rays *
 	size_t count = from->count, turned = 0;
 	uint32_t rays = from->rays;
 	l->outside = gw_compartment_outside(on->octree);
-	l->facet = gw_compartments_of_facets(on->octree);
+	l->facet = from->facet ? from->facet : gw_compartments_of_facets(on->octree);
 	l->hit = gw_allocate_array(count, rays * sizeof *l->hit);
 	if (!l->hit)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for what rays of %zu places hit", count);
@@ -214,7 +214,7 @@ gw_status gw_shut_out_hits(const gw_record_context *on, uint32_t rays, gw_buffer
 	if (!gw_compartments_several(on->octree))
 		return GW_OK;
 	GW_TRY(gw_shut_out_label(on, &label, error));
-	const gw_labelled_rays from = { label, on->records->count, rays };
+	const gw_labelled_rays from = { .label = label, .count = on->records->count, .rays = rays };
 	gw_status status = gw_shut_out_hits_of(on, &from, facet, error);
 	free(label);
 	return status;

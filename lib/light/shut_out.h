@@ -47,7 +47,8 @@ gw_status gw_shut_out_hits(const gw_record_context *on, uint32_t rays, gw_buffer
 typedef struct gw_labelled_rays {
 	const uint32_t *label; /* count */
 	size_t count;
-	uint32_t rays; /* of each */
+	uint32_t rays;         /* of each */
+	const uint32_t *facet; /* NULL, or of what they hit, where that is more than facets */
 } gw_labelled_rays;
 
 /* The same for places that are no records; on has the octree alone. */
