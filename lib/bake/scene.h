@@ -17,6 +17,7 @@
 #include "light/gather_cones.h"
 #include "light/kept_hits.h"
 #include "light/moments.h"
+#include "light/propagation.h"
 #include "light/read_back.h"
 #include "light/volume_places.h"
 #include "surfels/scanned_space.h"
@@ -68,7 +69,8 @@ struct gw_scene {
 	gw_records records;
 	gw_ray_gather rays;         /* hits that serve every bounce; of a few rays where cones gather */
 	gw_cone_gather cones;       /* empty but for GW_METHOD_CONES */
-	gw_radiance_volume volume;  /* empty but for GW_METHOD_VOLUME, as are: */
+	gw_propagation propagation; /* empty but for GW_METHOD_LPV */
+	gw_radiance_volume volume;  /* empty but for these two, as are: */
 	gw_volume_rows volume_rows; /* the cells that light each record */
 	gw_read_back read_back;
 	/* What the points that emit brought to the records, once it is known: it depends on

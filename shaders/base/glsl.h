@@ -159,6 +159,10 @@ struct alignas(16) uvec4 {
 	{                                                                                              \
 		return a op vec3(b);                                                                       \
 	}                                                                                              \
+	inline vec4 operator op(vec4 a, float b)                                                       \
+	{                                                                                              \
+		return a op vec4(b, b, b, b);                                                              \
+	}                                                                                              \
 	inline vec2 operator op(float a, vec2 b)                                                       \
 	{                                                                                              \
 		return vec2(a) op b;                                                                       \

@@ -78,6 +78,9 @@ static const struct {
 	[GW_PASS_VOLUME_FILL] = { "=l", 0 },
 	[GW_PASS_VOLUME_WEIGHTS] = { "rw", GW_VOLUME_WEIGHTS },
 	[GW_PASS_VOLUME_READ] = { "==l", 0 },
+	[GW_PASS_VOLUME_FACES] = { "l", 0 },
+	[GW_PASS_VOLUME_INJECT] = { "ll", 0 },
+	[GW_PASS_VOLUME_SPREAD] = { "ll", 0 },
 	[GW_PASS_PROBE_SIGHT] = { "l", 0 },
 	[GW_PASS_PROBE_RAYS] = { "hd", 0 },
 };
