@@ -364,7 +364,8 @@ typedef struct gw_bake_options {
 	uint32_t light_samples; /* samples of the emitters a record, 1..4096 */
 	uint32_t cones;         /* gather cones a record (GW_METHOD_CONES), 1..256 */
 	uint32_t volume_cells;  /* of GW_METHOD_VOLUME, GW_METHOD_LPV and `volume`: cells along the
-							   longest side of  the points' bounds, 2..512, or 0: 64, for GW_METHOD_LPV 16 */
+							   longest side of  the points' bounds, 2..512, or 0: 64, for
+							   GW_METHOD_LPV 16 */
 	uint32_t volume_harmonics; /* spherical harmonics a cell, 4 or 9, of GW_METHOD_VOLUME and
 								  `volume`; each cell sends `rays` rays then. GW_METHOD_LPV has 4 */
 	uint32_t probe_size;  /* of GW_METHOD_PROBES: texels a side of a probe's maps, a power of two as

@@ -33,7 +33,8 @@ typedef struct tradeoff {
 } tradeoff;
 
 /* Fills in what is to be tried: qualities and what lies between them, by rays, by cones, by
- * radiance and light propagation volumes and by probes. base: all options that the sweep does not set. */
+ * radiance and light propagation volumes and by probes. base: all options that the sweep does not
+ * set. */
 void tradeoff_plan(const gw_bake_options *base, tradeoff *tradeoff);
 
 /*

@@ -110,14 +110,18 @@ static gw_status list_senders(making *m, const facets *f, gw_error *error)
 	return GW_OK;
 }
 
-static gw_status upload(gw_gpu *gpu, VkFormat format, const void *values, uint64_t bytes,
-						const char *name, gw_buffer *buffer, gw_error *error)
+/* Texels of a buffer that is filled from the host. */
+#define TEXELS(format, bytes, name)                                                                \
+	(&(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_##format, (bytes), (name) })
+
+static gw_status upload(gw_gpu *gpu, const gw_buffer_description *of, const void *values,
+						gw_buffer *buffer, gw_error *error)
 {
-	/* Where nothing is listed, there is a word all the same. */
-	const uint64_t room = bytes > 0 ? bytes : 16;
-	GW_TRY(gw_buffer_create(gpu, &(gw_buffer_description){ GW_BUFFER_TEXEL, format, room, name },
-							buffer, error));
-	return bytes > 0 ? gw_buffer_upload(gpu, buffer, 0, values, bytes, error) : GW_OK;
+	gw_buffer_description room = *of;
+	if (of->bytes == 0) /* where nothing is listed, there is a word all the same */
+		room.bytes = 16;
+	GW_TRY(gw_buffer_create(gpu, &room, buffer, error));
+	return of->bytes > 0 ? gw_buffer_upload(gpu, buffer, 0, values, of->bytes, error) : GW_OK;
 }
 
 /* Compartments that senders look into; NULL where there is one. */
@@ -140,12 +144,13 @@ static gw_status weigh_some(making *m, size_t first, size_t count, gw_buffer pla
 {
 	gw_gpu *gpu = m->on->passes->gpu;
 	const senders *s = &m->from;
-	const VkFormat f4 = VK_FORMAT_R32G32B32A32_SFLOAT;
 	const uint64_t bytes = 4 * (uint64_t)WEIGHTS * count;
 	gw_volume_viewers viewers = { &place[0], &place[1], (uint32_t)count, NULL };
 	gw_volume_rows rows = { 0 };
-	GW_TRY(upload(gpu, f4, s->position + 4 * first, 16 * count, "senders", &place[0], error));
-	GW_TRY(upload(gpu, f4, s->normal + 4 * first, 16 * count, "their normals", &place[1], error));
+	GW_TRY(upload(gpu, TEXELS(R32G32B32A32_SFLOAT, 16 * count, "senders"), s->position + 4 * first,
+				  &place[0], error));
+	GW_TRY(upload(gpu, TEXELS(R32G32B32A32_SFLOAT, 16 * count, "their normals"),
+				  s->normal + 4 * first, &place[1], error));
 	gw_status status = label_senders(m, first, count, &viewers.label, error);
 	if (status == GW_OK)
 		status = gw_volume_weigh(m->on, m->volume, &viewers, &rows, error);
@@ -325,13 +330,13 @@ static gw_status keep_faces(making *m, gw_error *error)
 		if (m->neighbour[i] == END || !(share > 0.0f))
 			m->neighbour[i] = GW_NONE;
 	}
-	gw_status status = upload(gpu, VK_FORMAT_R32_UINT, m->neighbour, 4 * FACES * count,
-							  "neighbours of cells", &m->p->face_cell, error);
+	gw_status status = upload(gpu, TEXELS(R32_UINT, 4 * FACES * count, "neighbours of cells"),
+							  m->neighbour, &m->p->face_cell, error);
 	if (status == GW_OK)
-		status = upload(gpu, VK_FORMAT_R32_SFLOAT, m->through, 4 * FACES * count,
-						"shares of neighbours", &m->p->face_share, error);
+		status = upload(gpu, TEXELS(R32_SFLOAT, 4 * FACES * count, "shares of neighbours"),
+						m->through, &m->p->face_share, error);
 	if (status == GW_OK)
-		status = upload(gpu, VK_FORMAT_R32G32B32A32_SFLOAT, sky, 16 * count, "sky of cells",
+		status = upload(gpu, TEXELS(R32G32B32A32_SFLOAT, 16 * count, "sky of cells"), sky,
 						&m->p->sky, error);
 	free(sky);
 	return status;
@@ -382,11 +387,11 @@ static gw_status upload_lists(const making *m, const lists *l, gw_error *error)
 {
 	gw_gpu *gpu = m->on->passes->gpu;
 	const size_t count = m->volume->count, length = l->first[count];
-	GW_TRY(upload(gpu, VK_FORMAT_R32_UINT, l->first, 4 * (count + 1), "lists of senders",
+	GW_TRY(upload(gpu, TEXELS(R32_UINT, 4 * (count + 1), "lists of senders"), l->first,
 				  &m->p->list_first, error));
-	GW_TRY(upload(gpu, VK_FORMAT_R32_UINT, l->facet, 4 * length, "senders of cells",
+	GW_TRY(upload(gpu, TEXELS(R32_UINT, 4 * length, "senders of cells"), l->facet,
 				  &m->p->list_facet, error));
-	return upload(gpu, VK_FORMAT_R32_SFLOAT, l->weight, 4 * length, "weights of senders",
+	return upload(gpu, TEXELS(R32_SFLOAT, 4 * length, "weights of senders"), l->weight,
 				  &m->p->list_weight, error);
 }
 
