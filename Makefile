@@ -89,6 +89,7 @@ KERNELS         := device/prefix_sum light/light_visibility light/light_irradian
                    light/record_first light/record_gather light/record_moments light/record_add \
                    light/facet_weights light/facet_shade light/read_back \
                    light/volume_rays light/volume_fill light/volume_weights light/volume_read \
+                   light/volume_faces light/volume_inject light/volume_spread \
                    light/probe_sight light/probe_rays \
                    picture/cache_rays picture/cache_mips picture/pixel_caches
 KERNEL_OBJECTS  := $(KERNELS:%=$(BUILD)/kernels/%_kernel.o)

@@ -225,8 +225,12 @@ typedef struct gw_light {
 typedef enum gw_method {
 	GW_METHOD_RAYS,  /* records gather by rays against the planes in the leaves; hits stored once */
 	GW_METHOD_CONES, /* records gather by cones in the anisotropic pyramid, anew every bounce */
-	GW_METHOD_VOLUME, /* cells of a uniform grid gather by rays and keep spherical harmonics, from
-						 which records and points read (Mavridis and Papaioannou) */
+	GW_METHOD_VOLUME,  /* cells of a uniform grid gather by rays and keep spherical harmonics, from
+						  which records and points read (Mavridis and Papaioannou) */
+	GW_METHOD_LPV,     /* light goes from cell to cell of such a grid, step by step (Kaplanyan and
+						  Dachsbacher) */
+	GW_METHOD_PROBES,  /* as rays, but these are followed through the maps of probes that are placed
+						  for it (Wang) */
 	GW_METHOD_BUFFERS, /* records draw nodes of the octree and facets into small buffers; what these
 						  show is stored once (Harada) */
 	GW_METHOD_COUNT
@@ -358,13 +362,16 @@ typedef struct gw_bake_options {
 							   light; GW_BOUNCES_AUTO stops when the bound on what the bounces left
 							   out would add is under tolerance */
 	float tolerance;        /* of GW_BOUNCES_AUTO, relative to the light found so far, in (0, 1) */
-	uint32_t rays;          /* gather rays a record (GW_METHOD_RAYS), 1..4096 */
+	uint32_t rays;          /* gather rays a record (GW_METHOD_RAYS, GW_METHOD_PROBES), 1..4096 */
 	uint32_t light_samples; /* samples of the emitters a record, 1..4096 */
 	uint32_t cones;         /* gather cones a record (GW_METHOD_CONES), 1..256 */
-	uint32_t volume_cells;  /* of GW_METHOD_VOLUME and `volume`: cells along the longest side of
-							   the points' bounds, 2..512 */
-	uint32_t volume_harmonics; /* likewise: spherical harmonics a cell, 4 or 9. Each cell sends
-								  `rays` rays */
+	uint32_t volume_cells;  /* of GW_METHOD_VOLUME, GW_METHOD_LPV and `volume`: cells along the
+							   longest side of  the points' bounds, 2..512, or 0: 64, for
+							   GW_METHOD_LPV 16 */
+	uint32_t volume_harmonics; /* spherical harmonics a cell, 4 or 9, of GW_METHOD_VOLUME and
+								  `volume`; each cell sends `rays` rays then. GW_METHOD_LPV has 4 */
+	uint32_t probe_size;  /* of GW_METHOD_PROBES: texels a side of a probe's maps, a power of two as
+							 gw_probes_options.size */
 	float record_spacing; /* leaf cells between records, 0..64; 0 places one on every surface piece
 							 of every leaf, as in Salm 4.4.3 */
 	uint32_t least_records; /* where there would be fewer, records stand closer, but for this never

@@ -196,7 +196,8 @@ static box place_label(const tradeoff *t, const panel *p, size_t i, const box *s
 	return best;
 }
 
-/* A circle for rays, a square for cones, a diamond for buffers, a triangle for volumes. */
+/* A circle for rays, a square for cones, a triangle for volumes, which stands on its tip where
+ * light goes from cell to cell, a rhomb for probes, a star of four tips for buffers. */
 static void draw_mark(gw_method method, double x, double y, FILE *out)
 {
 	if (method == GW_METHOD_RAYS)
@@ -205,7 +206,13 @@ static void draw_mark(gw_method method, double x, double y, FILE *out)
 		fprintf(out, "<rect class=\"cones\" x=\"%.1f\" y=\"%.1f\" width=\"9\" height=\"9\"/>\n",
 				x - 4.5, y - 4.5);
 	else if (method == GW_METHOD_BUFFERS)
-		fprintf(out, "<path class=\"buffers\" d=\"M%.1f %.1fl6 6-6 6-6-6z\"/>\n", x, y - 6.0);
+		fprintf(out, "<path class=\"buffers\" d=\"M%.1f %.1fl2 5 5 2-5 2-2 5-2-5-5-2 5-2z\"/>\n", x,
+				y - 7.0);
+	else if (method == GW_METHOD_LPV)
+		fprintf(out, "<path class=\"lpv\" d=\"M%.1f %.1fl5.5 -10h-11z\"/>\n", x, y + 6.0);
+	else if (method == GW_METHOD_PROBES)
+		fprintf(out, "<path class=\"probes\" d=\"M%.1f %.1fl5.5 5.5l-5.5 5.5l-5.5 -5.5z\"/>\n", x,
+				y - 5.5);
 	else
 		fprintf(out, "<path class=\"volume\" d=\"M%.1f %.1fl5.5 10h-11z\"/>\n", x, y - 6.0);
 }
@@ -242,14 +249,15 @@ void tradeoff_plot_write(const tradeoff *t, FILE *out)
 		  ".grid{stroke:#ddd}.frame{fill:none;stroke:#333}"
 		  ".front{fill:none;stroke:#888;stroke-width:1.5}"
 		  ".rays{fill:#1f6fb4}.cones{fill:#d9730d}.volume{fill:#2e7d4f}"
-		  ".buffers{fill:#8a4fbf}</style>\n",
+		  ".buffers{fill:#b03a5b}.lpv{fill:#8a9a2b}.probes{fill:#7a4fa3}</style>\n",
 		  out);
 	fprintf(out, "<rect width=\"%.0f\" height=\"%.0f\" fill=\"white\"/>\n", width, height);
 	fprintf(
 		out,
-		"<text class=\"axis\" x=\"%.0f\" y=\"24\">Circles are rays, squares cones, "
-		"diamonds buffers, triangles volumes; a line joins "
-		"what nothing beats in both axes of its panel.</text>\n"
+		"<text class=\"axis\" x=\"%.0f\" y=\"24\">Circles are rays, squares cones, triangles "
+		"volumes (on their tips lpv), rhombs probes, stars buffers; a line joins what nothing "
+		"beats "
+		"in both axes of its panel.</text>\n"
 		"<text class=\"axis\" x=\"%.0f\" y=\"44\">The reference took %.3g s and estimates its own "
 		"error as %s %%.</text>\n",
 		LEFT, LEFT, t->run[0].seconds, text_percent(e->relative_rms, error));

@@ -56,13 +56,23 @@ static void add_scalar(tradeoff *t, const gw_bake_options *base)
 	snprintf(run->options, sizeof run->options, "--method rays --quality normal --basis scalar");
 }
 
-static void add_volume(tradeoff *t, const gw_bake_options *base, uint32_t cells)
+static void add_cells(tradeoff *t, const gw_bake_options *base, gw_method method, uint32_t cells)
 {
 	tradeoff_run *run = &t->run[t->count];
-	add(t, base, GW_METHOD_VOLUME, GW_QUALITY_NORMAL, 1.0);
+	const char *name = gw_method_name(method);
+	add(t, base, method, GW_QUALITY_NORMAL, 1.0);
 	run->bake.volume_cells = cells;
-	snprintf(run->name, sizeof run->name, "volume, %u cells", cells);
-	snprintf(run->options, sizeof run->options, "--method volume --volume-cells %u", cells);
+	snprintf(run->name, sizeof run->name, "%s, %u cells", name, cells);
+	snprintf(run->options, sizeof run->options, "--method %s --volume-cells %u", name, cells);
+}
+
+static void add_probes(tradeoff *t, const gw_bake_options *base, uint32_t size)
+{
+	tradeoff_run *run = &t->run[t->count];
+	add(t, base, GW_METHOD_PROBES, GW_QUALITY_NORMAL, 1.0);
+	run->bake.probe_size = size;
+	snprintf(run->name, sizeof run->name, "probes, %u texels", size);
+	snprintf(run->options, sizeof run->options, "--method probes --probe-size %u", size);
 }
 
 void tradeoff_plan(const gw_bake_options *base, tradeoff *t)
@@ -82,7 +92,11 @@ void tradeoff_plan(const gw_bake_options *base, tradeoff *t)
 	add(t, base, GW_METHOD_BUFFERS, GW_QUALITY_NORMAL, 1.0);
 	add_scalar(t, base);
 	for (uint32_t cells = 32; cells <= 128; cells *= 2)
-		add_volume(t, base, cells);
+		add_cells(t, base, GW_METHOD_VOLUME, cells);
+	for (uint32_t cells = 8; cells <= 32; cells *= 2)
+		add_cells(t, base, GW_METHOD_LPV, cells);
+	add_probes(t, base, 64);
+	add_probes(t, base, 256);
 }
 
 /* ------------------------------------------------------------------------------- one run */

@@ -25,15 +25,16 @@ typedef struct tradeoff_run {
 	bool front;                 /* no other run is both as fast and as near */
 } tradeoff_run;
 
-#define TRADEOFF_RUNS 16
+#define TRADEOFF_RUNS 21
 
 typedef struct tradeoff {
 	tradeoff_run run[TRADEOFF_RUNS]; /* the first is the reference */
 	size_t count;
 } tradeoff;
 
-/* Fills in what is to be tried: qualities and what lies between them, by rays, by cones and by
- * radiance volumes. base: all options that the sweep does not set. */
+/* Fills in what is to be tried: qualities and what lies between them, by rays, by cones, by
+ * radiance and light propagation volumes and by probes. base: all options that the sweep does not
+ * set. */
 void tradeoff_plan(const gw_bake_options *base, tradeoff *tradeoff);
 
 /*

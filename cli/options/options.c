@@ -552,7 +552,7 @@ const option options[] = {
 	  .help = "share of the light that --bounces auto may leave out" },
 	{ "rays", 0, "N", OPTION_COUNT, FOR(BAKE | PLAN | ALBEDO | PROBES), .scene = true,
 	  AT(bake.rays), RANGE(1.0, 4096.0), .group = "Light",
-	  .help = "gather rays a record, for --method rays and buffers; "
+	  .help = "gather rays a record, for --method rays, probes and buffers; "
 			  "a cell, for --method volume" },
 	{ "light-samples", 0, "N", OPTION_COUNT, FOR(BAKE | PLAN | ALBEDO | PROBES), .scene = true,
 	  AT(bake.light_samples), RANGE(1.0, 4096.0), .group = "Light",
@@ -561,11 +561,16 @@ const option options[] = {
 	  AT(bake.cones), RANGE(1.0, 256.0), .group = "Light",
 	  .help = "gather cones a record, for --method cones" },
 	{ "volume-cells", 0, "N", OPTION_COUNT, FOR(BAKE | PLAN | ALBEDO | PROBES), .scene = true,
-	  AT(bake.volume_cells), RANGE(2.0, 512.0), .group = "Light",
-	  .help = "cells along the longest side of the scene, for --method volume and --vdb-sh" },
+	  AT(bake.volume_cells), RANGE(2.0, 512.0), AUTOMATIC(0.0), .group = "Light",
+	  .help =
+		  "cells along the longest side of the scene, for --method volume and lpv, and --vdb-sh; "
+		  "auto is 16 for lpv, in more of which light gets lost, and else 64" },
 	{ "volume-sh", 0, "N", OPTION_COUNT, FOR(BAKE | PLAN | ALBEDO | PROBES), .scene = true,
 	  AT(bake.volume_harmonics), RANGE(4.0, 9.0), .group = "Light",
 	  .help = "spherical harmonics that each of these cells keeps of its light: 4 or 9" },
+	{ "probe-size", 0, "N", OPTION_COUNT, FOR(BAKE | PLAN | ALBEDO | PROBES), .scene = true,
+	  AT(bake.probe_size), RANGE(GW_PROBE_SIZE_LEAST, GW_PROBE_SIZE_MOST), .group = "Light",
+	  .help = "texels a side of a probe's maps, a power of two, for --method probes" },
 	{ "record-spacing", 0, "X", OPTION_REAL, FOR(BAKE | PLAN | RENDER | ALBEDO | PROBES),
 	  .scene = true, AT(bake.record_spacing), RANGE(0.0, 64.0), .group = "Light",
 	  .help = "leaf cells between records; 0 puts one on every surface of every leaf" },

@@ -504,7 +504,9 @@ static const char *how_to_close(const settings *s)
 {
 	if (s->bake.method == GW_METHOD_CONES)
 		return "cones leave them open, --method rays --gaps mean closes them";
-	if (s->bake.method == GW_METHOD_VOLUME)
+	if (s->bake.method == GW_METHOD_PROBES)
+		return "probes leave them open, --method rays --gaps mean closes them";
+	if (s->bake.method == GW_METHOD_VOLUME || s->bake.method == GW_METHOD_LPV)
 		return "a volume leaves them open, --method rays --gaps mean closes them";
 	if (s->bake.method == GW_METHOD_BUFFERS)
 		return "buffers leave them open, --method rays --gaps mean closes them";
@@ -734,6 +736,11 @@ static void price_text(const bake_facts *f, char *text, size_t room)
 	time_text(seconds, time);
 	if (f->settings->bake.method == GW_METHOD_CONES && r->error.points)
 		snprintf(text, room, "; part of that is what cones are off, --method rays has less");
+	else if (f->settings->bake.method == GW_METHOD_PROBES && r->error.points)
+		snprintf(text, room,
+				 "; part of that is what maps of probes are off, --method rays has less");
+	else if (f->settings->bake.method == GW_METHOD_LPV && r->error.points)
+		snprintf(text, room, "; most is what light between cells is off, --method rays has less");
 	else if (f->settings->bake.method == GW_METHOD_VOLUME && r->error.points)
 		snprintf(text, room, "; more --volume-cells have less, and --method rays");
 	else if (f->settings->bake.method == GW_METHOD_BUFFERS && r->error.points)

@@ -64,15 +64,29 @@ static const way ways[] = {
 		  "half a cell before the surface, between the cells around, as far as they see it",
 	  .source = "Mavridis and Papaioannou, Global Illumination using Imperfect Volumes",
 	  .good_for = "light in free space, for game engines and Houdini" },
+	{ .name = "lpv",
+	  .call = "bake --method lpv",
+	  .place = "in all cells of a uniform grid that are free",
+	  .trace =
+		  "none: surface sends its flux into the cells before it, and light goes on to the six "
+		  "cells around, step by step; rays say once which cells see each other",
+	  .basis = "spherical harmonics, 4",
+	  .read_back = "as volume",
+	  .source = "Kaplanyan and Dachsbacher 2010, Cascaded Light Propagation Volumes for Real-Time "
+				"Indirect Illumination",
+	  .good_for = "comparison with what engines do; light that spreads evenly and slowly varies" },
 	{ .name = "probes",
-	  .call = "probes",
+	  .call = "probes, bake --method probes",
 	  .place = "in free space, as few as see the surface: centres of the largest balls that fit, "
 			   "chosen by Gibbs sampling",
 	  .trace = "rays over the whole sphere",
 	  .basis = "octahedral maps of radiance, normal and distance; spherical harmonics, 4 and 9",
-	  .read_back = "by whoever takes them: the four best for each cell of a grid are named",
+	  .read_back =
+		  "by whoever takes them: the four best for each cell of a grid are named; records "
+		  "of a bake follow their rays through the maps",
 	  .source = "Wang 2018, Automatic Placement of Radiance Probes",
-	  .good_for = "engines that show the scan with things that move in it" },
+	  .good_for = "engines that show the scan with things that move in it; as a method of baking, "
+				  "to see what an engine that has but the probes makes of the light" },
 	{ .name = "caches",
 	  .call = "render --glossy caches",
 	  .place =

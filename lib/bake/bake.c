@@ -79,7 +79,8 @@ static gw_status load_transport(bake *b, gw_error *error)
 static gw_status save_transport(bake *b, gw_error *error)
 {
 	/* Whatever shone this time, a sky may the next time. */
-	GW_TRY(b->scene.options.method == GW_METHOD_RAYS || b->scene.options.method == GW_METHOD_BUFFERS
+	gw_method method = b->scene.options.method;
+	GW_TRY(gw_method_keeps_hits(method) || method == GW_METHOD_BUFFERS
 			   ? gw_scene_open_to_sky(&b->scene, error)
 			   : GW_OK);
 	GW_TRY(gw_lighting_foresee(&b->light, error));
@@ -127,10 +128,11 @@ static gw_status foretell_halves(bake *b, const gw_bake_result *light, gw_error 
 	return gw_half_forecast_add(&task, light, b->report, error);
 }
 
-/* A radiance volume takes as long with few records as with all. */
+/* Volumes and the placing of probes take as long with few records as with all. */
 static gw_status foretell_all(bake *b, double done, gw_bake_result *light, gw_error *error)
 {
-	if (b->scene.options.method == GW_METHOD_VOLUME)
+	gw_method method = b->scene.options.method;
+	if (gw_method_has_cells(method) || method == GW_METHOD_PROBES)
 		return GW_OK;
 	GW_TRY(gw_forecast_make(&b->light, done, b->result, light, error));
 	return light ? foretell_halves(b, light, error) : GW_OK;
@@ -599,9 +601,11 @@ static void report_profile(const gw_passes *passes, gw_report *report)
 	report->inject_seconds = seconds[GW_PASS_FACET_SHADE] + seconds[GW_PASS_BRICK_INJECT] +
 							 seconds[GW_PASS_BRICK_MIPMAP];
 	report->trace_seconds = seconds[GW_PASS_RECORD_RAYS] + seconds[GW_PASS_RECORD_EMITTERS] +
-							seconds[GW_PASS_RECORD_FIRST] + seconds[GW_PASS_VOLUME_RAYS];
+							seconds[GW_PASS_RECORD_FIRST] + seconds[GW_PASS_VOLUME_RAYS] +
+							seconds[GW_PASS_VOLUME_FACES];
 	report->gather_seconds = seconds[GW_PASS_RECORD_GATHER] + seconds[GW_PASS_RECORD_CONES] +
-							 seconds[GW_PASS_VOLUME_FILL] + seconds[GW_PASS_VOLUME_READ];
+							 seconds[GW_PASS_VOLUME_FILL] + seconds[GW_PASS_VOLUME_READ] +
+							 seconds[GW_PASS_VOLUME_INJECT] + seconds[GW_PASS_VOLUME_SPREAD];
 }
 
 /* Seconds that a ray takes, with what else is done for it; to be asked when the rounds are over. */

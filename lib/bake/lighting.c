@@ -396,7 +396,7 @@ gw_status gw_lighting_gather_first(gw_lighting *lighting, gw_error *error)
 	else
 		gw_records_drop_moments(s->gpu, &s->records);
 	gw_method method = s->options.method;
-	GW_TRY(method == GW_METHOD_RAYS      ? first_by_rays(lighting, error)
+	GW_TRY(gw_method_keeps_hits(method)  ? first_by_rays(lighting, error)
 		   : method == GW_METHOD_CONES   ? first_by_cones(lighting, error)
 		   : method == GW_METHOD_BUFFERS ? first_by_buffers(lighting, error)
 										 : gw_volume_light_first(lighting, error));
@@ -560,13 +560,17 @@ gw_status gw_lighting_bounce(gw_lighting *lighting, gw_error *error)
 	gw_report *report = s->report;
 	const gw_trace_step steps[GW_METHOD_COUNT] = {
 		[GW_METHOD_RAYS] = { gather_by_hits, gather_patches, &s->rays, lighting },
+		[GW_METHOD_PROBES] = { gather_by_hits, gather_patches, &s->rays, lighting },
 		[GW_METHOD_BUFFERS] = { gather_by_hits, gather_patches, NULL, lighting },
 		[GW_METHOD_CONES] = { .gather = gather_by_cones, .self = lighting },
 		[GW_METHOD_VOLUME] = { .gather = gw_volume_light_gather,
 							   .gather_first = gw_volume_light_gather_first,
 							   .self = lighting },
+		[GW_METHOD_LPV] = { .gather = gw_volume_light_gather,
+							.gather_first = gw_volume_light_gather_first,
+							.self = lighting },
 	};
-	bool rays = s->options.method == GW_METHOD_RAYS;
+	bool rays = gw_method_keeps_hits(s->options.method);
 	gw_bounces bounces;
 	gw_bounces_task task = { .on = gw_scene_context(s, &s->records),
 							 .facet_direct = &lighting->facet_direct,
@@ -660,7 +664,7 @@ gw_status gw_lighting_read_back(gw_lighting *lighting, gw_error *error)
 	if (status == GW_OK)
 		status = read_back(s, &r->indirect, &r->indirect_moment, &records,
 						   &lighting->surfel_indirect, error);
-	if (status == GW_OK && s->options.method == GW_METHOD_VOLUME)
+	if (status == GW_OK && gw_method_has_cells(s->options.method))
 		status = gw_volume_light_read_back(lighting, error);
 	free(values);
 	return status;
@@ -746,7 +750,7 @@ uint32_t gw_lighting_shown(const gw_lighting *lighting, uint32_t surfel)
 /* Rays that light comes along to what an estimate is held against. */
 static uint32_t rays_of(const gw_bake_options *o)
 {
-	return o->method == GW_METHOD_RAYS ? o->rays : o->light_samples;
+	return gw_method_keeps_hits(o->method) ? o->rays : o->light_samples;
 }
 
 gw_status gw_lighting_foresee(gw_lighting *lighting, gw_error *error)

@@ -123,11 +123,12 @@ static void plan_emitters(const gw_plan_task *task, gw_plan *plan, gw_report *re
 					 !(largest > 0.0f)  ? "no point emits"
 					 : plan->limit == 0 ? "no reflection is asked for"
 										: reason,
-					 task->options->method == GW_METHOD_RAYS ? "sampled, and hit by rays"
+					 gw_method_keeps_hits(task->options->method) ? "sampled, and hit by rays"
 					 : task->options->method == GW_METHOD_CONES
 						 ? "sampled, or as light of the voxels"
-					 : task->options->method == GW_METHOD_BUFFERS
-						 ? "sampled, or seen in buffers"
+					 : task->options->method == GW_METHOD_BUFFERS ? "sampled, or seen in buffers"
+					 : task->options->method == GW_METHOD_LPV
+						 ? "sampled, or sent into the cells"
 						 : "sampled, or hit by rays of the volume" };
 	plan->emitters = decide(task, c, report);
 }
@@ -173,13 +174,15 @@ static void plan_sky(const gw_plan_task *task, gw_plan *plan, gw_report *report)
 	if (!plan->sky)
 		drop_sky(plan);
 	bool buffers = task->options->method == GW_METHOD_BUFFERS;
-	bool rays = task->options->method == GW_METHOD_RAYS || buffers;
+	bool rays = gw_method_keeps_hits(task->options->method) || buffers;
 	bool cones = task->options->method == GW_METHOD_CONES;
 	const call portals = { GW_EFFECT_PORTALS, plan->sky && rays,
 						   !plan->sky ? "no sky shines"
 						   : rays     ? "whether openings to the sky are few is found by rays"
 						   : cones    ? "cones see the sky themselves"
-									  : "rays of the volume see the sky themselves",
+						   : task->options->method == GW_METHOD_LPV
+							   ? "the sky shines into the cells at the grid's end"
+							   : "rays of the volume see the sky themselves",
 						   buffers ? "sampled beside the buffers" : "sampled beside the rays" };
 	plan->portals = decide(task, portals, report);
 }

@@ -43,6 +43,18 @@ void gw_plan_make(const gw_plan_task *task, gw_plan *plan, gw_report *report);
 bool gw_plan_may_gather(const gw_bake_options *options);
 bool gw_plan_may_trace(const gw_bake_options *options);
 
+/* Do records keep what their rays hit? */
+static inline bool gw_method_keeps_hits(gw_method method)
+{
+	return method == GW_METHOD_RAYS || method == GW_METHOD_PROBES;
+}
+
+/* Does light go through the cells of a uniform grid? */
+static inline bool gw_method_has_cells(gw_method method)
+{
+	return method == GW_METHOD_VOLUME || method == GW_METHOD_LPV;
+}
+
 /* Whether an effect is forced. */
 bool gw_effect_forced(const gw_bake_options *options, gw_effect_kind effect);
 

@@ -11,6 +11,7 @@
 #include "light/probe_cells.h"
 #include "light/probe_places.h"
 #include "light/probe_trace.h"
+#include "octree/compartments.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -142,7 +143,12 @@ typedef struct placing {
 	gw_sight_places chosen_by, looked_at;
 	gw_free_ball_task room;
 	gw_probe_places places;
+	bool in_grid; /* they are wanted in grid coordinates, to light records by */
 } placing;
+
+/* Where nothing encloses the free space, probes stand outside the bounds by at most this share of
+ * the longest side. */
+#define OPEN_MARGIN 0.25f
 
 static gw_status open_room(placing *p, gw_error *error)
 {
@@ -164,10 +170,27 @@ static gw_status open_room(placing *p, gw_error *error)
 	return GW_OK;
 }
 
+/* Lets places lie outside of the bounds. */
+static void widen(placing *p)
+{
+	const gw_surfels *s = &p->scene->surfels;
+	float longest = 0.0f;
+	for (int k = 0; k < 3; k++)
+		longest = fmaxf(longest, s->maximum[k] - s->minimum[k]);
+	for (int k = 0; k < 3; k++) {
+		p->room.minimum[k] -= OPEN_MARGIN * longest;
+		p->room.maximum[k] += OPEN_MARGIN * longest;
+	}
+}
+
 static gw_status find_balls(placing *p, gw_error *error)
 {
 	gw_scene *scene = p->scene;
 	GW_TRY(gw_free_balls_find(&p->room, &p->ball, &p->ball_count, error));
+	if (p->ball_count == 0 && p->in_grid) {
+		widen(p);
+		GW_TRY(gw_free_balls_find(&p->room, &p->ball, &p->ball_count, error));
+	}
 	if (p->ball_count > 0)
 		return GW_OK;
 	return gw_fail(
@@ -302,6 +325,19 @@ static double metres_of(const gw_scene *scene, double length)
 	return ldexp(length, -scene->units.length);
 }
 
+/* The same of probes that stay in grid coordinates. */
+static void describe_in_grid(const placing *p, gw_probes *probes)
+{
+	const gw_octree *o = &p->scene->octree;
+	for (size_t i = 0; i < probes->count; i++)
+		for (size_t k = 0; k < 3; k++)
+			probes->probe[i].position[k] = (double)p->places.place[4 * i + k];
+	for (int k = 0; k < 3; k++) {
+		probes->minimum[k] = (double)((p->room.minimum[k] - o->cube_minimum[k]) / o->leaf_size);
+		probes->maximum[k] = (double)((p->room.maximum[k] - o->cube_minimum[k]) / o->leaf_size);
+	}
+}
+
 /* What is known of the probes before they are traced. */
 static void describe(const placing *p, gw_probes *probes)
 {
@@ -338,6 +374,10 @@ static gw_status place(placing *p, gw_probes *probes, gw_error *error)
 	}
 	GW_TRY(check_room(p->scene, p->places.count, p->options->size, error));
 	GW_TRY(allocate(p->places.count, p->options->size, probes, error));
+	if (p->in_grid) {
+		describe_in_grid(p, probes);
+		return GW_OK;
+	}
 	describe(p, probes);
 	GW_TRY(measure(p, &probes->seen, error));
 	if (p->options->grid > 0)
@@ -395,6 +435,15 @@ static gw_status trace(gw_lighting *lighting, const float *place, uint64_t seed,
 	return status == GW_OK ? undo_light(scene, probes, error) : status;
 }
 
+static void end_placing(placing *p)
+{
+	gw_probe_places_clear(&p->places);
+	gw_sight_places_clear(p->scene->gpu, &p->chosen_by);
+	gw_sight_places_clear(p->scene->gpu, &p->looked_at);
+	gw_neighbours_close(p->search);
+	free(p->ball);
+}
+
 gw_status gw_lighting_probes(gw_lighting *lighting, const gw_probes_options *options,
 							 gw_probes *probes, gw_error *error)
 {
@@ -410,26 +459,48 @@ gw_status gw_lighting_probes(gw_lighting *lighting, const gw_probes_options *opt
 		status = trace(lighting, p.places.place, options->seed, probes, error);
 	if (status == GW_OK)
 		status = gw_probe_cells_find(probes, scene->options.threads, error);
-	gw_probe_places_clear(&p.places);
-	gw_sight_places_clear(scene->gpu, &p.chosen_by);
-	gw_sight_places_clear(scene->gpu, &p.looked_at);
-	gw_neighbours_close(p.search);
-	free(p.ball);
+	end_placing(&p);
 	return status;
 }
 
-void gw_probes_destroy(gw_probes **probes)
+/* --------------------------------------------------------------------------- to light records by
+ */
+
+/* Which facets the maps show; radiance is that of the facets, at every bounce. */
+static gw_status trace_facets(gw_scene *scene, const float *place, gw_probe_maps *maps,
+							  gw_error *error)
 {
-	gw_probes *p = *probes;
-	*probes = NULL;
-	if (!p)
-		return;
-	free(p->probe);
-	free(p->radiance);
-	free(p->normal);
-	free(p->distance);
-	free(p->least);
-	free(p->greatest);
-	gw_probe_cells_clear(&p->cells);
-	free(p);
+	const size_t texels = maps->probes->count * maps->probes->size * maps->probes->size;
+	maps->facet = gw_allocate_array(texels, sizeof *maps->facet);
+	if (!maps->facet)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the maps of %zu probes",
+					   maps->probes->count);
+	const gw_probe_scene seen = { .passes = &scene->passes,
+								  .octree = &scene->octree,
+								  .facet = maps->facet,
+								  .seed = (uint32_t)scene->options.seed,
+								  .threads = scene->options.threads };
+	GW_TRY(gw_probes_trace(&seen, place, 1.0, maps->probes, error));
+	return gw_probe_cells_find(maps->probes, scene->options.threads, error);
+}
+
+gw_status gw_scene_probe_maps(gw_scene *scene, gw_probe_maps *maps, gw_error *error)
+{
+	gw_probes_options options = gw_probes_options_default();
+	placing p = { .scene = scene, .options = &options, .in_grid = true };
+	*maps = (gw_probe_maps){ .probes = gw_allocate_zeros(1, sizeof *maps->probes) };
+	if (!maps->probes)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for probes");
+	options.size = scene->options.probe_size;
+	options.seed = scene->options.seed;
+	gw_status status = gw_compartments_find(scene->gpu, &scene->surfels, scene->options.threads,
+											&scene->octree, error);
+	if (status == GW_OK)
+		status = place(&p, maps->probes, error);
+	if (status == GW_OK)
+		status = trace_facets(scene, p.places.place, maps, error);
+	end_placing(&p);
+	if (status != GW_OK)
+		gw_probe_maps_clear(maps);
+	return status;
 }

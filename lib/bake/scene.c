@@ -2,6 +2,7 @@
  * scene.c - see scene.h.
  */
 #include "bake/scene.h"
+#include "bake/probes.h"
 #include "bake/region.h"
 
 #include "light/direct_light.h"
@@ -123,13 +124,23 @@ bool gw_options_record_fields(const gw_bake_options *o)
 	return gw_options_openness(o) || o->errors || o->unknown;
 }
 
+/* Cells along the longest side where their number is left to the method. Light that goes from cell
+ * to cell spreads more, and takes longer, the more there are. */
+#define VOLUME_CELLS 64u
+#define LPV_CELLS 16u
+
 static gw_status check_volume(const gw_bake_options *o, gw_error *error)
 {
 	if (o->volume_harmonics != 4 && o->volume_harmonics != 9)
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "a cell of a volume can have 4 or 9 spherical harmonics, not %u",
 					   o->volume_harmonics);
-	if (o->method == GW_METHOD_VOLUME && gw_options_refine(o))
+	if (o->method == GW_METHOD_LPV && o->volume_harmonics != 4 && !o->volume)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "light that goes from cell to cell has 4 spherical harmonics, not %u; leave "
+					   "their number out, or gather it by a volume",
+					   o->volume_harmonics);
+	if (gw_method_has_cells(o->method) && gw_options_refine(o))
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "a volume is not refined until an error or a time is reached; ask for more "
 					   "cells, or gather by rays");
@@ -137,11 +148,22 @@ static gw_status check_volume(const gw_bake_options *o, gw_error *error)
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "buffers are not refined until an error or a time is reached; ask for a "
 					   "higher quality, or gather by rays");
-	if (o->method == GW_METHOD_VOLUME && o->lamps)
+	if (gw_method_has_cells(o->method) && o->lamps)
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "the light of single lamps does not add up where a volume gathers, which "
 					   "holds each above 0; gather by rays for it");
 	return GW_OK;
+}
+
+static gw_status check_probes(const gw_bake_options *o, gw_error *error)
+{
+	gw_probes_options probes = gw_probes_options_default();
+	probes.size = o->probe_size;
+	if (gw_options_refine(o))
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "what probes see is not refined until an error or a time is reached; ask "
+					   "for larger maps, or gather by rays");
+	return gw_probes_options_check(&probes, error);
 }
 
 static gw_status check_region(const gw_bake_options *o, gw_error *error)
@@ -178,8 +200,8 @@ gw_status gw_options_check(const gw_bake_options *o, const gw_scene_description 
 		{ "rays", o->rays, 1, 4096 },
 		{ "light samples", o->light_samples, 1, 4096 },
 		{ "cones", o->cones, 1, 256 },
-		{ "number of cells of a volume", o->volume_cells, GW_VOLUME_CELLS_LEAST,
-		  GW_VOLUME_CELLS_MOST },
+		{ "number of cells of a volume", o->volume_cells > 0 ? o->volume_cells : VOLUME_CELLS,
+		  GW_VOLUME_CELLS_LEAST, GW_VOLUME_CELLS_MOST },
 		{ "record spacing", (double)o->record_spacing, 0, 64 },
 		{ "shadow map size", o->shadow_map_size, 16, 8192 },
 		{ "largest error", (double)o->max_error, 0, 1 },
@@ -210,16 +232,20 @@ gw_status gw_options_check(const gw_bake_options *o, const gw_scene_description 
 					   "a bake that refines its settings cannot begin with a transport nor make "
 					   "one; leave out the error or time to aim at");
 	if (o->basis == GW_BASIS_DIRECTIONAL &&
-		(o->method != GW_METHOD_RAYS || o->gaps != GW_GAPS_OPEN))
+		(!gw_method_keeps_hits(o->method) || o->gaps != GW_GAPS_OPEN))
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "records know from where their light comes only if they gather by rays and "
 					   "gaps are open; leave the basis to the bake");
 	if (o->gaps != GW_GAPS_OPEN && o->method != GW_METHOD_RAYS)
 		return gw_fail(error, GW_ERROR_USAGE,
-					   "%s do%s not know gaps; leave these open, or gather by rays",
-					   o->method == GW_METHOD_VOLUME ? "a volume" : gw_method_name(o->method),
-					   o->method == GW_METHOD_VOLUME ? "es" : "");
+					   "%s not know gaps; leave these open, or gather by rays",
+					   o->method == GW_METHOD_CONES     ? "cones do"
+					   : o->method == GW_METHOD_PROBES  ? "probes do"
+					   : o->method == GW_METHOD_BUFFERS ? "buffers do"
+														: "a volume does");
 	GW_TRY(check_volume(o, error));
+	if (o->method == GW_METHOD_PROBES)
+		GW_TRY(check_probes(o, error));
 	GW_TRY(check_region(o, error));
 	if (o->gap_radiance > 0.0f && (o->lamps || o->gaps != GW_GAPS_BLACK))
 		return gw_fail(error, GW_ERROR_USAGE,
@@ -489,7 +515,7 @@ void gw_scene_report_octree(const gw_scene *scene)
 
 static uint32_t ray_count(const gw_bake_options *o)
 {
-	return o->method == GW_METHOD_RAYS ? o->rays : NEAREST_RAYS;
+	return gw_method_keeps_hits(o->method) ? o->rays : NEAREST_RAYS;
 }
 
 gw_status gw_scene_build_octree(gw_scene *scene, gw_error *error)
@@ -538,12 +564,27 @@ static void report_rays(gw_scene *scene)
 	r->rays_traced = scene->kept ? scene->traced : r->rays;
 }
 
+/* What the records see by the maps of probes. */
+static gw_status follow_maps(gw_scene *scene, gw_error *error)
+{
+	const gw_record_context on = gw_scene_context(scene, &scene->records);
+	gw_probe_maps maps;
+	GW_TRY(gw_scene_probe_maps(scene, &maps, error));
+	gw_status status = gw_probe_gather_trace(&on, &maps, scene->options.rays,
+											 (uint32_t)scene->options.seed, &scene->rays, error);
+	scene->traced = (uint64_t)scene->options.rays * scene->records.count;
+	gw_probe_maps_clear(&maps);
+	return status;
+}
+
 /* What the records see; for cones, how near their surroundings are. */
 static gw_status trace_records(gw_scene *scene, gw_error *error)
 {
 	const gw_record_context on = gw_scene_context(scene, &scene->records);
 	const gw_bake_options *o = &scene->options;
-	if (scene->kept)
+	if (o->method == GW_METHOD_PROBES)
+		GW_TRY(follow_maps(scene, error));
+	else if (scene->kept)
 		GW_TRY(gw_kept_hits_trace(&on, scene->kept, scene->boxes, &scene->rays, &scene->traced,
 								  error));
 	else
@@ -563,11 +604,25 @@ gw_volume_wish gw_scene_wish_volume(const gw_scene *scene)
 {
 	const gw_bake_options *o = &scene->options;
 	return (gw_volume_wish){ .surfels = &scene->surfels,
-							 .cells = o->volume_cells,
+							 .cells = o->volume_cells > 0 ? o->volume_cells : VOLUME_CELLS,
 							 .order = o->volume_harmonics == 9 ? 3 : 2,
 							 .rays = o->rays,
 							 .seed = (uint32_t)o->seed,
 							 .whole = o->volume };
+}
+
+/* Light that goes from cell to cell needs them all, and no rays. */
+static gw_status make_propagation(gw_scene *scene, gw_error *error)
+{
+	const gw_record_context on = gw_scene_context(scene, &scene->records);
+	gw_volume_wish wish = gw_scene_wish_volume(scene);
+	if (scene->options.volume_cells == 0)
+		wish.cells = LPV_CELLS;
+	wish.order = 2;
+	wish.rays = 0;
+	wish.whole = true;
+	GW_TRY(gw_radiance_volume_make(&on, &wish, &scene->volume, error));
+	return gw_propagation_make(&on, &scene->volume, &scene->propagation, error);
 }
 
 /* Cells of a volume, what they see, and which of them light each record. */
@@ -577,7 +632,9 @@ static gw_status make_volume(gw_scene *scene, gw_error *error)
 	const gw_volume_wish wish = gw_scene_wish_volume(scene);
 	GW_TRY(gw_compartments_find(scene->gpu, &scene->surfels, scene->options.threads, &scene->octree,
 								error));
-	GW_TRY(gw_radiance_volume_make(&on, &wish, &scene->volume, error));
+	GW_TRY(scene->options.method == GW_METHOD_LPV
+			   ? make_propagation(scene, error)
+			   : gw_radiance_volume_make(&on, &wish, &scene->volume, error));
 	scene->report->volume_cells = scene->volume.count;
 	return gw_volume_weigh_records(&on, &scene->volume, &scene->volume_rows, error);
 }
@@ -596,7 +653,7 @@ static gw_status draw_buffers(gw_scene *scene, gw_error *error)
 static gw_status make_pools(gw_scene *scene, gw_error *error)
 {
 	const gw_bake_options *o = &scene->options;
-	if (o->method == GW_METHOD_VOLUME)
+	if (gw_method_has_cells(o->method))
 		return make_volume(scene, error);
 	if (o->method == GW_METHOD_BUFFERS)
 		return draw_buffers(scene, error);
@@ -675,7 +732,7 @@ gw_status gw_scene_measure_turn(gw_scene *scene, gw_error *error)
 	const gw_surfels *s = &scene->surfels;
 	gw_view normal;
 	scene->turn = 0.0;
-	if (scene->options.method != GW_METHOD_RAYS || scene->options.basis != GW_BASIS_AUTO)
+	if (!gw_method_keeps_hits(scene->options.method) || scene->options.basis != GW_BASIS_AUTO)
 		return GW_OK;
 	GW_TRY(gw_view_open(scene->gpu, &scene->records.normal, 16 * (uint64_t)scene->records.count,
 						&normal, error));
@@ -771,7 +828,7 @@ bool gw_scene_keeps_moments(const gw_scene *scene)
 {
 	const gw_bake_options *o = &scene->options;
 	bool closed = o->gaps != GW_GAPS_OPEN && gw_scanned_space_known(&scene->space);
-	if (o->method != GW_METHOD_RAYS || closed || o->basis == GW_BASIS_SCALAR)
+	if (!gw_method_keeps_hits(o->method) || closed || o->basis == GW_BASIS_SCALAR)
 		return false;
 	return o->basis == GW_BASIS_DIRECTIONAL || scene->turn >= TURN_LEAST;
 }
@@ -783,7 +840,7 @@ gw_status gw_scene_find_compartments(gw_scene *s, gw_error *error)
 	GW_TRY(gw_compartments_find(s->gpu, &s->surfels, s->options.threads, &s->octree, error));
 	if (s->buffers.hits.facet.handle != VK_NULL_HANDLE)
 		return gw_micro_buffers_shut_out(&on, &s->buffers, error);
-	if (s->options.method != GW_METHOD_RAYS || s->rays.facet.handle == VK_NULL_HANDLE)
+	if (!gw_method_keeps_hits(s->options.method) || s->rays.facet.handle == VK_NULL_HANDLE)
 		return GW_OK;
 	GW_TRY(gw_ray_gather_shut_out(&on, &s->rays, error));
 	return s->further.count > 0 ? gw_ray_gather_shut_out(&further, &s->further_rays, error) : GW_OK;
@@ -835,6 +892,7 @@ void gw_scene_drop_records(gw_scene *scene)
 	gw_region_drop_records(&scene->region);
 	gw_cone_gather_destroy(scene->gpu, &scene->cones);
 	gw_volume_rows_destroy(scene->gpu, &scene->volume_rows);
+	gw_propagation_destroy(scene->gpu, &scene->propagation);
 	gw_radiance_volume_destroy(scene->gpu, &scene->volume);
 	gw_micro_buffers_destroy(scene->gpu, &scene->buffers);
 	gw_ray_gather_destroy(scene->gpu, &scene->rays);

@@ -18,6 +18,7 @@
 #include "light/micro_buffers.h"
 #include "light/kept_hits.h"
 #include "light/moments.h"
+#include "light/propagation.h"
 #include "light/read_back.h"
 #include "light/volume_places.h"
 #include "surfels/scanned_space.h"
@@ -68,9 +69,10 @@ struct gw_scene {
 	gw_octree octree;
 	gw_passes passes;
 	gw_records records;
-	gw_ray_gather rays;        /* hits that serve every bounce; of a few rays where others gather */
-	gw_cone_gather cones;      /* empty but for GW_METHOD_CONES */
-	gw_radiance_volume volume; /* empty but for GW_METHOD_VOLUME, as are: */
+	gw_ray_gather rays;   /* hits that serve every bounce; of a few rays where others gather */
+	gw_cone_gather cones; /* empty but for GW_METHOD_CONES */
+	gw_propagation propagation; /* empty but for GW_METHOD_LPV */
+	gw_radiance_volume volume;  /* empty but for these two, as are: */
 	gw_volume_rows volume_rows; /* the cells that light each record */
 	gw_micro_buffers buffers;   /* empty but for GW_METHOD_BUFFERS */
 	gw_read_back read_back;

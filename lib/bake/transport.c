@@ -2,6 +2,7 @@
  * transport.c - see transport.h.
  */
 #include "bake/transport.h"
+#include "bake/plan.h"
 
 #include "light/direct_light.h"
 #include "base/hash.h"
@@ -17,7 +18,7 @@
 #include <string.h>
 
 #define MAGIC "glowworm transport\n"
-#define VERSION 14u
+#define VERSION 15u
 
 /* Blocks are read and checked in chunks, by all threads. */
 #define CHUNK_BYTES (UINT64_C(1) << 20)
@@ -30,6 +31,7 @@ typedef struct identity {
 /* Settings that change what a transport holds. */
 typedef struct fixed_settings {
 	double method, depth, leaf_spacing, rays, record_spacing, least_records, seed, normals, noise;
+	double probe_size;
 } fixed_settings;
 
 typedef struct head {
@@ -84,7 +86,8 @@ static fixed_settings settle(const gw_bake_options *o)
 		.method = o->method,
 		.depth = o->depth,
 		.leaf_spacing = o->depth == GW_DEPTH_AUTO ? (double)o->leaf_spacing : 0.0,
-		.rays = o->method == GW_METHOD_RAYS ? o->rays : 0,
+		.rays = gw_method_keeps_hits(o->method) ? o->rays : 0,
+		.probe_size = o->method == GW_METHOD_PROBES ? o->probe_size : 0,
 		.record_spacing = (double)o->record_spacing,
 		.least_records = o->least_records,
 		.seed = (double)o->seed,
@@ -234,6 +237,7 @@ static gw_status check_settings(const gw_transport *t, const head *h, const gw_b
 		{ "number of rays", kept->rays, own.rays },
 		{ "record spacing", kept->record_spacing, own.record_spacing },
 		{ "least number of records", kept->least_records, own.least_records },
+		{ "size of probes' maps", kept->probe_size, own.probe_size },
 		{ "seed", kept->seed, own.seed },
 		{ "choice of normals", kept->normals, own.normals },
 		{ "choice of noise", kept->noise, own.noise },

@@ -22,7 +22,9 @@ static float largest_of(const float *values, size_t count)
 static gw_status gather(gw_scene *s, const gw_volume_light *light, float largest, gw_error *error)
 {
 	const gw_record_context on = gw_scene_context(s, &s->records);
-	GW_TRY(gw_radiance_volume_fill(&s->passes, &s->volume, light, error));
+	GW_TRY(s->options.method == GW_METHOD_LPV
+			   ? gw_propagation_fill(&s->passes, &s->volume, &s->propagation, light, error)
+			   : gw_radiance_volume_fill(&s->passes, &s->volume, light, error));
 	return gw_volume_read_records(&on, &s->volume, &s->volume_rows, largest, &s->records.gathered,
 								  error);
 }

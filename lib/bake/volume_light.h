@@ -1,6 +1,6 @@
 /*
- * volume_light.h - lightings whose records read a radiance volume (GW_METHOD_VOLUME), and radiance
- * in free space as a result of any bake.
+ * volume_light.h - lightings whose records read a radiance volume (GW_METHOD_VOLUME,
+ * GW_METHOD_LPV), and radiance in free space as a result of any bake.
  */
 #ifndef VOLUME_LIGHT_H
 #define VOLUME_LIGHT_H

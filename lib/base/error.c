@@ -30,10 +30,8 @@ const char *gw_version(void)
 const char *gw_method_name(gw_method method)
 {
 	static const char *const name[] = {
-		[GW_METHOD_RAYS] = "rays",
-		[GW_METHOD_CONES] = "cones",
-		[GW_METHOD_VOLUME] = "volume",
-		[GW_METHOD_BUFFERS] = "buffers"
+		[GW_METHOD_RAYS] = "rays", [GW_METHOD_CONES] = "cones",   [GW_METHOD_VOLUME] = "volume",
+		[GW_METHOD_LPV] = "lpv",   [GW_METHOD_PROBES] = "probes", [GW_METHOD_BUFFERS] = "buffers"
 	};
 	static_assert(sizeof name / sizeof *name == GW_METHOD_COUNT, "every method has a name");
 	assert((unsigned)method < GW_METHOD_COUNT);

@@ -21,6 +21,9 @@
 #define LIGHT_BATCH 16u
 #define PORTAL_BATCH 32u
 
+/* Facets that send light into a cell, of one invocation. */
+#define SENDER_BATCH 1024u
+
 /* Reasons. */
 #define OCTREE "the octree is built one way on every device, which a CPU kernel would hardly hasten"
 #define PLACES "once a bake, for each record a few steps"
@@ -117,6 +120,14 @@ static const gw_pass_row table[GW_PASS_COUNT] = {
 								 .cpu = gw_cpu_volume_weights },
 	[GW_PASS_VOLUME_READ] = { "volume_read", "sstts", sizeof(gw_volume_push),
 							  GW_VOLUME_WEIGHTS *GW_HARMONICS_MOST, .cpu = gw_cpu_volume_read },
+	[GW_PASS_VOLUME_FACES] = { "volume_faces", "ttttttstttttttt", sizeof(gw_volume_push), 4096,
+							   .cpu = gw_cpu_volume_faces },
+	[GW_PASS_VOLUME_INJECT] = { "volume_inject", "ttttttss", sizeof(gw_volume_push),
+								4 * SENDER_BATCH, .batch = SENDER_BATCH,
+								.batch_at = (uint32_t)offsetof(gw_volume_push, batch_first),
+								.cpu = gw_cpu_volume_inject },
+	[GW_PASS_VOLUME_SPREAD] = { "volume_spread", "tttss", sizeof(gw_volume_push), 4 * GW_CELL_FACES,
+								.cpu = gw_cpu_volume_spread },
 
 	[GW_PASS_RECORD_DIRECTIONS] = { "record_directions", "ttts", sizeof(gw_record_push),
 									.why = PLACES },

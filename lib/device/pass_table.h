@@ -56,6 +56,9 @@ typedef enum gw_pass_id {
 	GW_PASS_VOLUME_FILL,
 	GW_PASS_VOLUME_WEIGHTS,
 	GW_PASS_VOLUME_READ,
+	GW_PASS_VOLUME_FACES,
+	GW_PASS_VOLUME_INJECT,
+	GW_PASS_VOLUME_SPREAD,
 	/* probes */
 	GW_PASS_PROBE_SIGHT,
 	GW_PASS_PROBE_RAYS,
@@ -112,7 +115,8 @@ gw_cpu_kernel gw_cpu_record_rays, gw_cpu_record_again, gw_cpu_record_emitters, g
 	gw_cpu_record_portals, gw_cpu_portal_light, gw_cpu_record_first, gw_cpu_record_gather,
 	gw_cpu_record_moments, gw_cpu_record_add;
 gw_cpu_kernel gw_cpu_facet_weights, gw_cpu_facet_shade, gw_cpu_read_back;
-gw_cpu_kernel gw_cpu_volume_rays, gw_cpu_volume_fill, gw_cpu_volume_weights, gw_cpu_volume_read;
+gw_cpu_kernel gw_cpu_volume_rays, gw_cpu_volume_fill, gw_cpu_volume_weights, gw_cpu_volume_read,
+	gw_cpu_volume_faces, gw_cpu_volume_inject, gw_cpu_volume_spread;
 gw_cpu_kernel gw_cpu_probe_sight, gw_cpu_probe_rays;
 gw_cpu_kernel gw_cpu_cache_rays, gw_cpu_cache_mips, gw_cpu_pixel_caches;
 

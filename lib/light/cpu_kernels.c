@@ -174,6 +174,29 @@ void gw_cpu_volume_read(gw_passes *passes, const gw_binding *b, const void *push
 				   count, CHUNK);
 }
 
+void gw_cpu_volume_faces(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
+{
+	gw_kernel_loop(passes, GW_PASS_VOLUME_FACES,
+				   (gw_kernel_run){ .kernel = gw_kernel_volume_faces, .bindings = b, .push = push },
+				   count, CHUNK);
+}
+
+void gw_cpu_volume_inject(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
+{
+	gw_kernel_loop(
+		passes, GW_PASS_VOLUME_INJECT,
+		(gw_kernel_run){ .kernel = gw_kernel_volume_inject, .bindings = b, .push = push }, count,
+		CHUNK_POINTS);
+}
+
+void gw_cpu_volume_spread(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
+{
+	gw_kernel_loop(
+		passes, GW_PASS_VOLUME_SPREAD,
+		(gw_kernel_run){ .kernel = gw_kernel_volume_spread, .bindings = b, .push = push }, count,
+		CHUNK);
+}
+
 void gw_cpu_probe_sight(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
 {
 	gw_kernel_loop(passes, GW_PASS_PROBE_SIGHT,

@@ -1,7 +1,7 @@
 /*
- * probe_look.c - gw_probes_look of glowworm_probes.h.
+ * probe_look.c - see probe_look.h, and gw_probes_look of glowworm_probes.h.
  */
-#include "glowworm_probes.h"
+#include "light/probe_look.h"
 
 #include "light/octahedral.h"
 
@@ -28,7 +28,7 @@ typedef struct ray {
 	double from[3], way[3]; /* metres, from the probe; unit */
 	double last;            /* metres along it: where it ends */
 	int top;                /* level of the smallest map that is used; 0: the largest */
-	gw_probe_look *look;
+	gw_probe_texel *look;
 } ray;
 
 /* A piece of a ray within one octant, a straight line on the map. */
@@ -130,7 +130,7 @@ static size_t mip_of(const gw_probes *p, size_t probe, const texel *x)
 
 static void meet(ray *r, size_t at_texel, double distance)
 {
-	memcpy(r->look->radiance, r->probes->radiance + 3 * at_texel, sizeof r->look->radiance);
+	r->look->texel = at_texel;
 	r->look->distance = distance;
 	r->look->probe = (int32_t)r->probe;
 }
@@ -297,15 +297,15 @@ static ray see(const gw_probes *p, int32_t probe, const double from[3], const fl
 	return r;
 }
 
-void gw_probes_look(const gw_probes *probes, const double from[3], const float direction[3],
-					bool mips, gw_probe_look *look)
+void gw_probes_find(const gw_probes *probes, const double from[3], const float direction[3],
+					bool mips, gw_probe_texel *look)
 {
 	int32_t nearest[GW_PROBES_OF_CELL];
 	const int32_t *best = serving(probes, from);
 	outcome found = LOOK_LOST;
 	double t = 0.0;
 	int i = 0;
-	*look = (gw_probe_look){ .probe = -1 };
+	*look = (gw_probe_texel){ .probe = -1 };
 	if (!best) {
 		find_nearest(probes, from, nearest);
 		best = nearest;
@@ -320,8 +320,18 @@ void gw_probes_look(const gw_probes *probes, const double from[3], const float d
 	}
 	if (found == LOOK_MET)
 		return;
-	const size_t shown = texel_of(probes, (size_t)best[found == LOOK_OPEN ? i - 1 : 0], direction);
-	memcpy(look->radiance, probes->radiance + 3 * shown, sizeof look->radiance);
+	look->texel = texel_of(probes, (size_t)best[found == LOOK_OPEN ? i - 1 : 0], direction);
 	look->probe = found == LOOK_OPEN ? best[i - 1] : -1;
-	look->distance = found == LOOK_OPEN ? (double)GW_PROBE_FAR : (double)probes->distance[shown];
+	look->distance =
+		found == LOOK_OPEN ? (double)GW_PROBE_FAR : (double)probes->distance[look->texel];
+}
+
+void gw_probes_look(const gw_probes *probes, const double from[3], const float direction[3],
+					bool mips, gw_probe_look *look)
+{
+	gw_probe_texel found;
+	gw_probes_find(probes, from, direction, mips, &found);
+	*look =
+		(gw_probe_look){ .distance = found.distance, .probe = found.probe, .steps = found.steps };
+	memcpy(look->radiance, probes->radiance + 3 * found.texel, sizeof look->radiance);
 }

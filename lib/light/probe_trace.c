@@ -7,6 +7,7 @@
 #include "base/parallel.h"
 #include "base/spherical_harmonics.h"
 #include "light/octahedral.h"
+#include "light/probe_cells.h"
 #include "light/transport_layout.h"
 #include "octree/compartments.h"
 
@@ -68,7 +69,8 @@ static gw_status open_tracing(tracing *t, size_t rays, gw_error *error)
 								   &(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
 															 4 * (uint64_t)rays, name[i] },
 								   &t->hit[i], error));
-	GW_TRY(gw_view_open(gpu, t->scene->facet_radiance, facets, &t->radiance, error));
+	if (t->scene->facet_radiance)
+		GW_TRY(gw_view_open(gpu, t->scene->facet_radiance, facets, &t->radiance, error));
 	GW_TRY(gw_view_open(gpu, &o->facet_plane, facets, &t->plane, error));
 	return gw_view_open(gpu, &o->facet_albedo, facets, &t->albedo, error);
 }
@@ -95,10 +97,10 @@ static void put_hit(const tracing *t, uint32_t facet, const float *direction, fl
 					float *normal)
 {
 	const float *plane = (const float *)t->plane.bytes + 4 * (size_t)facet;
-	const float *seen = (const float *)t->radiance.bytes + 4 * (size_t)facet;
+	const float *seen = t->radiance.bytes;
 	float side = gw_dot(gw_xyz(plane), gw_xyz(direction)) > 0.0f ? -1.0f : 1.0f;
 	for (size_t c = 0; c < 3; c++) {
-		radiance[c] = seen[c];
+		radiance[c] = seen ? seen[4 * (size_t)facet + c] : 0.0f;
 		normal[c] = side * plane[c];
 	}
 }
@@ -160,10 +162,12 @@ static void put_texel(const tracing *t, size_t ray, size_t texel)
 	bool none = slipped || facet == GW_NONE || facet >= 2 * t->scene->octree->leaf_count;
 	double distance = (double)t->distance[ray] * t->metres;
 	p->distance[texel] = none || distance > (double)GW_PROBE_FAR ? GW_PROBE_FAR : (float)distance;
-	if (none && !slipped && facet == GW_NONE)
+	if (none && !slipped && facet == GW_NONE && t->scene->facet_radiance)
 		gw_sky_radiance(&t->scene->sky, gw_xyz(direction), radiance);
 	if (!none)
 		put_hit(t, facet, direction, radiance, normal);
+	if (t->scene->facet)
+		t->scene->facet[texel] = none ? GW_NONE : facet;
 }
 
 /* Projects a map onto the harmonics: texels by their solid angles. */
@@ -257,4 +261,20 @@ gw_status gw_probes_trace(const gw_probe_scene *scene, const float *place, doubl
 	}
 	close_tracing(&t);
 	return status;
+}
+
+void gw_probes_destroy(gw_probes **probes)
+{
+	gw_probes *p = *probes;
+	*probes = NULL;
+	if (!p)
+		return;
+	free(p->probe);
+	free(p->radiance);
+	free(p->normal);
+	free(p->distance);
+	free(p->least);
+	free(p->greatest);
+	gw_probe_cells_clear(&p->cells);
+	free(p);
 }

@@ -12,8 +12,10 @@
 typedef struct gw_probe_scene {
 	gw_passes *passes;
 	const gw_octree *octree;
-	const gw_buffer *facet_radiance; /* texel buffer, vec4 a facet: what facets send out */
-	gw_sky_view sky;                 /* what comes from where nothing is */
+	/* Texel buffer, vec4 a facet: what facets send out. NULL: maps of radiance stay dark. */
+	const gw_buffer *facet_radiance;
+	uint32_t *facet; /* NULL, or receives the facet of each texel of all maps, GW_NONE for none */
+	gw_sky_view sky; /* what comes from where nothing is */
 	uint32_t seed, threads;
 } gw_probe_scene;
 

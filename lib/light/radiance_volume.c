@@ -194,8 +194,12 @@ static gw_status make(const gw_record_context *on, const gw_volume_wish *wish,
 	GW_TRY(put_centres(on, v, error));
 	GW_TRY(number_cells(on->passes->gpu, v, error));
 	v->rays = wish->rays;
-	GW_TRY(trace(on, false, v, error));
-	GW_TRY(put_right(on, v, error));
+	if (wish->rays > 0) {
+		GW_TRY(trace(on, false, v, error));
+		GW_TRY(put_right(on, v, error));
+	} else {
+		gw_buffer_destroy(on->passes->gpu, &v->hit);
+	}
 	return make_light(on->passes->gpu, v, error);
 }
 

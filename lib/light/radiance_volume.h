@@ -22,7 +22,7 @@ typedef struct gw_volume_wish {
 	const gw_surfels *surfels; /* of the octree: bounds, and places that read the volume */
 	uint32_t cells;            /* along the longest side of their bounds, within these limits */
 	uint32_t order;            /* of the spherical harmonics: 2 (4 a cell) or 3 (9) */
-	uint32_t rays;             /* a cell, above 0 */
+	uint32_t rays;             /* a cell; 0: none, light gets there another way */
 	uint32_t seed;             /* of their directions */
 	bool whole; /* all cells in free space, not only those that surfels and records read */
 } gw_volume_wish;

@@ -109,24 +109,33 @@ static places records_of(const gw_record_context *on)
 					 .count = on->records->count };
 }
 
-gw_status gw_volume_weigh_records(const gw_record_context *on, const gw_radiance_volume *v,
-								  gw_volume_rows *rows, gw_error *error)
+gw_status gw_volume_weigh(const gw_record_context *on, const gw_radiance_volume *v,
+						  const gw_volume_viewers *viewers, gw_volume_rows *rows, gw_error *error)
 {
 	gw_gpu *gpu = on->passes->gpu;
-	places at = records_of(on);
-	uint32_t *label = NULL;
+	places at = { .position = viewers->position,
+				  .normal = viewers->normal,
+				  .count = viewers->count };
 	GW_TRY(create_rows(gpu, at.count, rows, error));
-	gw_status status = GW_OK;
-	if (gw_compartments_several(on->octree))
-		status = gw_shut_out_label(on, &label, error);
-	if (status == GW_OK && label)
-		status = put_marks(gpu, label, at.count, &at.mark, error);
+	gw_status status =
+		viewers->label ? put_marks(gpu, viewers->label, at.count, &at.mark, error) : GW_OK;
 	if (status == GW_OK)
 		status = weigh(on, v, &at, rows, error);
-	free(label);
 	gw_buffer_destroy(gpu, &at.mark);
 	if (status != GW_OK)
 		gw_volume_rows_destroy(gpu, rows);
+	return status;
+}
+
+gw_status gw_volume_weigh_records(const gw_record_context *on, const gw_radiance_volume *v,
+								  gw_volume_rows *rows, gw_error *error)
+{
+	gw_volume_viewers viewers = { &on->records->position, &on->records->normal, on->records->count,
+								  NULL };
+	if (gw_compartments_several(on->octree))
+		GW_TRY(gw_shut_out_label(on, &viewers.label, error));
+	gw_status status = gw_volume_weigh(on, v, &viewers, rows, error);
+	free(viewers.label);
 	return status;
 }
 

@@ -13,6 +13,18 @@ typedef struct gw_volume_rows {
 	gw_buffer cell, weight; /* storage buffers, GW_VOLUME_WEIGHTS words a place */
 } gw_volume_rows;
 
+/* Places that see the cells in front of them. */
+typedef struct gw_volume_viewers {
+	const gw_buffer *position, *normal; /* texel buffers, vec4 each: grid coordinates; unit */
+	uint32_t count;
+	uint32_t *label; /* NULL, or their compartments; turned into marks */
+} gw_volume_viewers;
+
+/* Finds the cells that light such places or, the other way round, are lit by them. On success *rows
+ * is the caller's. */
+gw_status gw_volume_weigh(const gw_record_context *on, const gw_radiance_volume *volume,
+						  const gw_volume_viewers *viewers, gw_volume_rows *rows, gw_error *error);
+
 /* Finds the cells that light the records, once for all lights. On success *rows is the caller's. */
 gw_status gw_volume_weigh_records(const gw_record_context *on, const gw_radiance_volume *volume,
 								  gw_volume_rows *rows, gw_error *error);

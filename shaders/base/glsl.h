@@ -159,6 +159,10 @@ struct alignas(16) uvec4 {
 	{                                                                                              \
 		return a op vec3(b);                                                                       \
 	}                                                                                              \
+	inline vec4 operator op(vec4 a, float b)                                                       \
+	{                                                                                              \
+		return a op vec4(b, b, b, b);                                                              \
+	}                                                                                              \
 	inline vec2 operator op(float a, vec2 b)                                                       \
 	{                                                                                              \
 		return vec2(a) op b;                                                                       \
@@ -184,11 +188,6 @@ GLSL_OPERATORS(-)
 GLSL_OPERATORS(*)
 GLSL_OPERATORS(/)
 #undef GLSL_OPERATORS
-
-inline vec4 operator*(vec4 a, float b)
-{
-	return vec4(a.x * b, a.y * b, a.z * b, a.w * b);
-}
 
 inline vec3 operator-(vec3 v)
 {

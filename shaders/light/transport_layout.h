@@ -34,6 +34,12 @@
 /* Cells of a radiance volume that a place takes light from, at most. */
 #define GW_VOLUME_WEIGHTS 8u
 
+/* Faces of a cell: towards -x, +x, -y, +y, -z and +z. */
+#define GW_CELL_FACES 6u
+
+/* Added to the facet that sends into a cell from its back. */
+#define GW_SENDS_BACK 0x80000000u
+
 /* What a ray of a cell met first, where only that is asked. */
 #define GW_VOLUME_MET_NOTHING 0u
 #define GW_VOLUME_MET_FRONT 1u
@@ -195,7 +201,9 @@ SHARED_STRUCT(gw_volume_push)
 	uint marked;      /* places have marks of their compartments */
 	float most;       /* irradiance that no place can have more of */
 	uint both_sides;  /* places whose normal's w is above 0.5 are lit from both sides */
-	uint unused[3];
+	uint batch_first; /* of what surface sends into each cell, in this run */
+	uint batch_count;
+	uint unused;
 };
 SHARED_SIZE(gw_volume_push, 112);
 SHARED_OFFSET(gw_volume_push, minimum, 16);

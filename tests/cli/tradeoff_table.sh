@@ -4,13 +4,13 @@ glowworm info --devices >/dev/null 2>&1 || { echo "there is no Vulkan device"; e
 make_box --scene corner --points 1500 -o box.ply
 glowworm tradeoff box.ply --csv a.csv --svg a.svg --max-error 0.5 >table.txt
 echo "status $?"
-grep -cE '^(rays|cones|buffers|volume,) ' table.txt
+grep -cE '^(rays|cones|buffers|volume,|lpv,|probes,) ' table.txt
 # The options that are listed are those of the rows that are near enough; the reference is one more.
 awk -F'"' 'NR > 1 { split($3, v, ","); n += v[8] == "" || v[8] <= 0.5 }
 	END { print n }' a.csv >near
 grep -cE '^ .* s  --method' table.txt | cmp - near
 # Every row but the reference has a mark in both panels.
-grep -cE '<circle|class="(cones|buffers|volume)" [xd]' a.svg
+grep -cE '<circle|class="(cones|buffers|volume|lpv|probes)" [xd]' a.svg
 glowworm tradeoff box.ply --max-error 0.000001 >/dev/null
 echo "status $?"
 glowworm tradeoff box.ply --csv - --svg -
