@@ -292,6 +292,11 @@ static gw_status find_faces(making *m, gw_error *error)
 
 /* ----------------------------------------------------------------------------- what is kept */
 
+/* Behind faces that are closed there is surface, too, where it sends into other cells: light in a
+ * passage one cell wide would gain with every step if but its two open faces counted. Steps along
+ * it lose nothing, at most, from 6 (4/9 + 1/9) faces on: what a lobe sends ahead and back. */
+#define ENTRY_LEAST (10.0f / 3.0f)
+
 /* The area through which light gets into each cell: of its faces, and of what sends into it. */
 static gw_status add_areas(making *m, gw_error *error)
 {
@@ -307,6 +312,8 @@ static gw_status add_areas(making *m, gw_error *error)
 		else
 			entry[s->cell[i]] += s->area[i / WEIGHTS] * s->weight[i];
 	}
+	for (size_t i = 0; i < m->volume->count; i++)
+		entry[i] = fmaxf(entry[i], ENTRY_LEAST);
 	return GW_OK;
 }
 
