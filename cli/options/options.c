@@ -564,7 +564,7 @@ const option options[] = {
 	  AT(bake.volume_cells), RANGE(2.0, 512.0), AUTOMATIC(0.0), .group = "Light",
 	  .help =
 		  "cells along the longest side of the scene, for --method volume and lpv, and --vdb-sh; "
-		  "auto is 16 for lpv, in more of which light gets lost, and else 64" },
+		  "auto is 16 for lpv, which finer ones make worse, and else 64" },
 	{ "volume-sh", 0, "N", OPTION_COUNT, FOR(BAKE | PLAN | ALBEDO | PROBES), .scene = true,
 	  AT(bake.volume_harmonics), RANGE(4.0, 9.0), .group = "Light",
 	  .help = "spherical harmonics that each of these cells keeps of its light: 4 or 9" },

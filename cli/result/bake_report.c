@@ -291,7 +291,7 @@ gw_status bake_report_write(const bake_facts *f, output_file *out, gw_error *err
 	write_region(&json, r);
 	write_stages(&json, f);
 	write_bounces(&json, f);
-	if (r->goal != GW_GOAL_NONE)
+	if (r->round_count > 0)
 		write_rounds(&json, r);
 	write_luminance(&json, f);
 	light_shares_write(&json, &(light_shares){ f->settings, f->scene, f->result, 0 });

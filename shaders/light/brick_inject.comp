@@ -43,7 +43,7 @@ bool is_lit_from_both(int slot)
  * of |n_k d_k|, where it covers |n . d|: for all directions together |n_x| + |n_y| + |n_z| times
  * too much. But no cone finds more than everything covered, so that the more a facet covers the
  * less of this is too much, and what is opaque needs none of it: of leaning sheets of opacities
- * from 0.1 to 0.9, the power that follows leaves within a twentieth of what they cover. */
+ * from 0.1 to 0.9, the power that follows leaves within a tenth of what they cover. */
 float shown_share(int slot)
 {
 	float clear = fract(texelFetch(facet_albedo, slot).w);

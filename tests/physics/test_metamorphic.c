@@ -560,6 +560,18 @@ static void all_effects(void **state)
 	with_hall(compare_effects);
 }
 
+/* Probes have no room among so few, and that is said. */
+static void no_room_for_probes(const gw_points *points, const gw_light *lights,
+							   const gw_bake_options *options)
+{
+	const gw_scene_description few = { points, lights, LIGHTS };
+	gw_bake_result *result = NULL;
+	gw_error error = { 0 };
+	assert_int_equal(gw_bake(&few, options, NULL, &result, &error), GW_ERROR_DATA);
+	assert_non_null(strstr(error.text, "no free space for a probe"));
+	assert_null(result);
+}
+
 /* Clouds of one, two and three points are odd but no fault. */
 static void few_points(void **state)
 {
@@ -578,6 +590,10 @@ static void few_points(void **state)
 			options.method = (gw_method)method;
 			for (int normals = 0; normals < 2; normals++) {
 				points.normal = normals ? s.normal : NULL;
+				if (method == GW_METHOD_PROBES) {
+					no_room_for_probes(&points, lights, &options);
+					continue;
+				}
 				gw_bake_result *result = scene_bake(&points, lights, LIGHTS, &options);
 				assert_finite(result);
 				assert_true(result->direct_irradiance[0] > 0.0f);

@@ -408,20 +408,31 @@ static void large_discs_both_ways(void **state)
 	gw_bake_result_destroy(&result);
 }
 
-/* A volume in the place of rays. */
-static void volume_both_ways(void **state)
+static void bake_by_cells(gw_method method)
 {
 	gw_light light[LAMPS];
 	gw_bake_options options = gw_bake_options_default();
-	(void)state;
 	make_lamps(light);
-	options.method = GW_METHOD_VOLUME;
+	options.method = method;
 	options.volume_cells = 12;
 	options.rays = options.light_samples = 16;
 	options.bounces = 2;
 	options.estimate_points = 0;
 	gw_bake_result *result = bake_hall(light, 2, &options);
 	gw_bake_result_destroy(&result);
+}
+
+/* A volume in the place of rays; light that goes from cell to cell. */
+static void volume_both_ways(void **state)
+{
+	(void)state;
+	bake_by_cells(GW_METHOD_VOLUME);
+}
+
+static void propagation_both_ways(void **state)
+{
+	(void)state;
+	bake_by_cells(GW_METHOD_LPV);
 }
 
 /* Under a map of the sky, as it is and turned. */
@@ -744,13 +755,14 @@ static void passes_are_kept(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(rows_are_whole),    cmocka_unit_test(shaders_are_rows),
-		cmocka_unit_test(lamps_both_ways),   cmocka_unit_test(large_discs_both_ways),
-		cmocka_unit_test(volume_both_ways),  cmocka_unit_test(sky_both_ways),
-		cmocka_unit_test(portals_both_ways), cmocka_unit_test(probes_both_ways),
-		cmocka_unit_test(frames_both_ways),  cmocka_unit_test(caches_both_ways),
-		cmocka_unit_test(none_left_out),     cmocka_unit_test(choices_alike),
-		cmocka_unit_test(kernels_refused),   cmocka_unit_test(passes_are_kept),
+		cmocka_unit_test(rows_are_whole),   cmocka_unit_test(shaders_are_rows),
+		cmocka_unit_test(lamps_both_ways),  cmocka_unit_test(large_discs_both_ways),
+		cmocka_unit_test(volume_both_ways), cmocka_unit_test(propagation_both_ways),
+		cmocka_unit_test(sky_both_ways),    cmocka_unit_test(portals_both_ways),
+		cmocka_unit_test(probes_both_ways), cmocka_unit_test(frames_both_ways),
+		cmocka_unit_test(caches_both_ways), cmocka_unit_test(none_left_out),
+		cmocka_unit_test(choices_alike),    cmocka_unit_test(kernels_refused),
+		cmocka_unit_test(passes_are_kept),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
