@@ -56,7 +56,8 @@ float weight_of(uint cache, vec3 g, vec2 pixel)
 
 void find_near(vec3 g, uvec2 screen)
 {
-	uint x = screen.x & 0xffffu, y = screen.x >> 16, reach = uint(GW_CACHE_REACH * float(push.tile));
+	uint x = screen.x & 0xffffu, y = screen.x >> 16;
+	uint reach = uint(GW_CACHE_REACH * float(push.tile));
 	uint left = (x - min(x, reach)) / push.tile, top = (y - min(y, reach)) / push.tile;
 	uint right = min((x + reach) / push.tile, push.columns - 1u);
 	uint bottom = min((y + reach) / push.tile, push.rows - 1u);

@@ -31,8 +31,8 @@ for how in off rays cones; do
 done
 cmp -s off.png.data rays.png.data && echo "no gloss to be seen"
 cmp -s rays.png.data cones.png.data && echo "no cones to be seen"
-# Points of roughness 0.25 take rays, those of 0.5 do not; and an orbit by caches is the same for any
-# number of threads, its first picture that of one alone.
+# Points of roughness 0.25 take rays, those of 0.5 do not; and an orbit by caches is the same for
+# any number of threads, its first picture that of one alone.
 data caches.png
 cmp rays.png.data caches.png.data && echo "0.25 is too smooth for caches"
 sed 's/0.25/0.5/' box.scene.json >rough.scene.json
@@ -40,13 +40,15 @@ run 0 bake rough.scene.json -o rough.ply -q --estimate-points 0 --bounces 2
 around="$small --camera 'at 0,-3.4,1 to 0,0,1 fov 46'"
 for threads in 1 2; do
 	# shellcheck disable=SC2086
-	eval run 0 render rough.ply -o orbit$threads.png -q $around --glossy caches -j $threads --orbit 3
+	eval run 0 render rough.ply -o orbit$threads.png -q $around --glossy caches -j $threads \
+		--orbit 3
 done
 # shellcheck disable=SC2086
 eval run 0 render rough.ply -o rough.png $around --glossy caches
 # shellcheck disable=SC2086
 eval run 0 render rough.ply -o rough-rays.png $around --glossy rays
-for name in orbit1-0001 orbit1-0002 orbit1-0003 orbit2-0001 orbit2-0002 orbit2-0003 rough rough-rays; do
+for name in orbit1-0001 orbit1-0002 orbit1-0003 orbit2-0001 orbit2-0002 orbit2-0003 \
+	rough rough-rays; do
 	data $name.png
 done
 for picture in 1 2 3; do

@@ -88,8 +88,8 @@ static void corner(void **state)
 	gw_bake_result *result = scene_bake(&points, NULL, 0, &options);
 	double mean = mean_irradiance(result, 0, floor) / (SCENE_PI * CORNER_FACTOR);
 	print_message("corner: %.4f of the form factor\n", mean);
-	/* Half a cell between points is in doubt at the outer edges, and at the common one: within 1 / 60
-	 * of that the factor is 1/2. */
+	/* Half a cell between points is in doubt at the outer edges, and at the common one: within
+	 * 1 / 60 of that the factor is 1/2. */
 	if (!(fabs(mean - 1.0) <= 1.0 / SIDE + 0.5 / SIDE / CORNER_FACTOR))
 		fail_msg("off by %.2f %%", 100.0 * (mean - 1.0));
 	gw_bake_result_destroy(&result);
