@@ -512,8 +512,7 @@ typedef struct gw_error_estimate {
 	double gathered;     /* of light that was gathered, by the points that were solved again */
 	double spread;       /* standard error of that, and a tenth of it that is not seen: 2.3 %
 							+- 0.3 % */
-	double bias;         /* mean error of that, with its reflections: above 0, the bake is too
-							bright */
+	double bias;         /* mean error of that: above 0, the bake is too bright */
 	double noise;        /* part of gathered that more rays would lessen, estimated */
 	double shadows;      /* of misplaced edges of lamps' shadows (shadow_error.h), which only denser
 							points would lessen */

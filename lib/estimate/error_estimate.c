@@ -328,40 +328,6 @@ static void list_errors(const gw_estimate_task *task, const estimate *e, double 
 	}
 }
 
-/*
- * How many times its own size an error grows to that all points have alike: it is reflected as
- * light is, so by as much as all light is more than what came unreflected. No reflection keeps more
- * than the highest albedo. Points find such an error before it is reflected, since what they gather
- * comes from facets that have it.
- */
-static double growth(const gw_estimate_task *task)
-{
-	const gw_surfels *s = task->surfels;
-	double came = 0.0, reflected_light = 0.0, highest = 0.0;
-	if (!task->bounces)
-		return 1.0;
-	for (size_t i = 0; i < s->count; i++) {
-		double area = (double)s->area[i];
-		came += area * gw_luminance(task->first + 4 * i);
-		came += task->direct ? area * gw_luminance(task->direct + 4 * i) : 0.0;
-		reflected_light += area * gw_luminance(task->indirect + 4 * i);
-		highest = fmax(highest, gw_luminance(s->albedo + 3 * i));
-	}
-	double kept = came + reflected_light > 0.0 ? reflected_light / (came + reflected_light) : 0.0;
-	return 1.0 / (1.0 - fmin(kept, highest));
-}
-
-/* What the error that all points have alike adds to the square of what they find, which has it
- * once, and its growth to the bias. The square of a mean is too large by its variance. */
-static void add_reflected(double grows, gw_check_point_mean alike, gw_check_point_mean *square,
-						  gw_error_estimate *result)
-{
-	double more = grows * grows - 1.0, bias = alike.mean * alike.mean;
-	result->bias = grows * alike.mean;
-	square->mean = fmax(square->mean, 0.0) + more * fmax(bias - alike.variance, 0.0);
-	square->variance += more * more * (4.0 * bias + 2.0 * alike.variance) * alike.variance;
-}
-
 static gw_status compare(const gw_estimate_task *task, estimate *e, double mean,
 						 gw_error_estimate *result, gw_error *error)
 {
@@ -375,7 +341,6 @@ static gw_status compare(const gw_estimate_task *task, estimate *e, double mean,
 	double *value[VALUES] = { room, room + c->count, room + 2 * (size_t)c->count };
 	list_errors(task, e, mean, value);
 	gw_check_point_mean square = gw_check_point_average(c, value[EXCESS]);
-	add_reflected(growth(task), gw_check_point_average(c, value[OFF]), &square, result);
 	double rms = sqrt(fmax(square.mean, 0.0)), half = gw_check_point_average(c, value[HALVES]).mean;
 	result->points = c->count;
 	result->relative_rms = result->gathered = rms;
@@ -383,6 +348,7 @@ static gw_status compare(const gw_estimate_task *task, estimate *e, double mean,
 	double spread = fmin(sqrt(square.variance) / (2.0 * rms), sqrt(sqrt(square.variance)));
 	/* What was there is that of the sides. */
 	result->spread = hypot(result->spread, hypot(spread, UNSEEN_SHARE * rms));
+	result->bias = gw_check_point_average(c, value[OFF]).mean;
 	/* A point's light is a mean over records, each of which gathers like a half does. */
 	double samples = fmin(task->rays, task->light_samples), own = gw_estimate_rays(task->rays);
 	result->noise = fmin(sqrt(half * own / samples / RECORDS_A_POINT), rms);

@@ -11,9 +11,7 @@
  *
  * Each point gathers twice with half of the rays. Half of the two halves' mean square difference is
  * the variance of one half; a quarter of it is the noise of their mean, which is taken off the mean
- * square error. What they gather was reflected by surface that is as wrong as they are: an error
- * that all points have alike shows once, however often it was reflected. So the mean of the errors
- * counts as often as light is reflected.
+ * square error.
  *
  * Added to that is what edges of lamps' shadows are off (shadow_error.h), and what the normals that
  * lamps shine on are off where points are noisy or had none (normal_error.h), and what the edges of
