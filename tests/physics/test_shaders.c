@@ -110,18 +110,29 @@ static void hall_by_cones(void **state)
 	scene_clear(&s);
 }
 
-/* The same hall by a radiance volume. */
-static void hall_by_volume(void **state)
+static void hall_by_cells(gw_method method, gw_validation kind)
 {
 	scene s = { 0 };
 	const gw_light light = scene_point_light(1.0, 1.0, 1.2, 2.0f);
 	gw_bake_options options = few();
-	options.method = GW_METHOD_VOLUME;
+	options.method = method;
 	options.volume_cells = 8;
 	options.estimate_points = 0;
 	scene_make_hall(&s);
-	compare_bakes(&s, &light, 1, &options, *(gw_validation *)*state);
+	compare_bakes(&s, &light, 1, &options, kind);
 	scene_clear(&s);
+}
+
+/* The same hall by a radiance volume. */
+static void hall_by_volume(void **state)
+{
+	hall_by_cells(GW_METHOD_VOLUME, *(gw_validation *)*state);
+}
+
+/* And by light that goes from cell to cell. */
+static void hall_by_propagation(void **state)
+{
+	hall_by_cells(GW_METHOD_LPV, *(gw_validation *)*state);
 }
 
 /* ------------------------------------------------------------------------------------- frames */
@@ -197,32 +208,42 @@ static void frames_of_a_cellar(void **state)
 #define PIXELS 64u
 
 /* What pixels in the middle of a sphere see of it by shaders: of a ball there that reflects all, by
- * rays and by a cone, of voxels, and what cells show. It glows evenly with 1, and so do they; cones
- * are not full where their last step ends, by 3 % (test_furnace.c), and of 16 rays one may slip
- * between planes. */
-static void look_around(gw_render_octree *octree, const gw_surfels *surfels)
+ * rays, by a cone, and unless accesses are looked at by caches, of voxels, and what cells show. It
+ * glows evenly with 1, and so do they; cones are not full where their last step ends, by 3 %
+ * (test_furnace.c), and of 16 rays one may slip between planes, as of 32 looks into a cache. */
+static void look_around(gw_render_octree *octree, const gw_surfels *surfels, bool caches)
 {
 	float position[4 * PIXELS] = { 0 }, normal[4 * PIXELS] = { 0 }, seen[4 * PIXELS];
-	gw_pixels pixels = { .count = PIXELS, .position = position, .normal = normal };
-	const gw_reflection by_rays = { .rays = 16 }, by_cone = { .rays = 1, .cone = true };
+	uint32_t place[PIXELS];
+	gw_pixels pixels = { .count = PIXELS,
+						 .position = position,
+						 .normal = normal,
+						 .place = place,
+						 .width = PIXELS,
+						 .height = 1,
+						 .step = 1.0f / PIXELS };
+	const gw_reflection way[] = { { .rays = 16 },
+								  { .rays = 1, .cone = true },
+								  { .rays = 1, .caches = true } };
+	const float off[] = { 1.0f / 16.0f + 1e-5f, 0.03f, 1.0f / 16.0f + 1e-5f };
 	gw_error error = { 0 };
-	for (size_t i = 0; i < PIXELS; i++) {
+	for (uint32_t i = 0; i < PIXELS; i++) {
+		place[i] = i;
 		double turn = 2.0 * SCENE_PI * (double)i / PIXELS;
-		const double way[3] = { cos(turn), sin(turn), 0.0 };
+		const double out[3] = { cos(turn), sin(turn), 0.0 };
 		for (size_t k = 0; k < 3; k++) {
-			position[4 * i + k] = (float)(0.2 * way[k] - surfels->origin[k]);
-			normal[4 * i + k] = (float)way[k];
+			position[4 * i + k] = (float)(0.2 * out[k] - surfels->origin[k]);
+			normal[4 * i + k] = (float)out[k];
 			pixels.eye[k] = (float)((k == 0 ? 0.6 : 0.0) - surfels->origin[k]);
 		}
 		position[4 * i + 3] = 0.5f;
 		normal[4 * i + 3] = 1.0f;
 	}
-	for (int cone = 0; cone < 2; cone++) {
-		assert_int_equal(
-			gw_render_octree_reflect(octree, &pixels, cone ? &by_cone : &by_rays, seen, &error),
-			GW_OK);
+	for (size_t w = 0; w < (caches ? 3 : 2); w++) {
+		assert_int_equal(gw_render_octree_reflect(octree, &pixels, &way[w], seen, &error), GW_OK);
 		for (size_t i = 0; i < 16; i++)
-			assert_true(fabsf(seen[4 * i] - 1.0f) <= (cone ? 0.03f : 1.0f / 16.0f + 1e-5f));
+			if (!(fabsf(seen[4 * i] - 1.0f) <= off[w]))
+				fail_msg("way %zu: pixel %zu sees %.5f", w, i, (double)seen[4 * i]);
 	}
 	for (size_t k = 0; k < 3; k++)
 		pixels.eye[k] = (float)-surfels->origin[k];
@@ -276,7 +297,7 @@ static void pictures(void **state)
 		radiance[i] = 1.0f;
 	counting = true;
 	assert_ok_validated(gw_render_octree_create(&surfels, radiance, &how, &octree, &error), &error);
-	look_around(octree, &surfels);
+	look_around(octree, &surfels, how.validate != GW_VALIDATE_ACCESSES);
 	look_at_cells(octree);
 	counting = false;
 	gw_render_octree_destroy(&octree);
@@ -333,10 +354,12 @@ static void probes_of_a_box(void **state)
 
 /* ---------------------------------------------------------------------------------------- all */
 
-/* Volumes and probes, whose accesses are not looked at: it takes minutes to compile for that. */
+/* Volumes, probes and caches, whose accesses are not looked at: it takes minutes to compile for
+ * that. */
 static bool is_costly(int id)
 {
-	return id >= GW_PASS_VOLUME_RAYS && id <= GW_PASS_PROBE_RAYS;
+	return (id >= GW_PASS_VOLUME_RAYS && id <= GW_PASS_PROBE_RAYS) ||
+		   (id >= GW_PASS_CACHE_RAYS && id <= GW_PASS_PIXEL_CACHES);
 }
 
 /* Each shader of the table was run by these scenes. */
@@ -361,6 +384,7 @@ int main(void)
 		cmocka_unit_test_prestate(frames_of_a_cellar, &kind[0]),
 		cmocka_unit_test_prestate(hall_by_cones, &kind[0]),
 		cmocka_unit_test_prestate(hall_by_volume, &kind[0]),
+		cmocka_unit_test_prestate(hall_by_propagation, &kind[0]),
 		cmocka_unit_test_prestate(pictures, &kind[0]),
 		cmocka_unit_test_prestate(probes_of_a_box, &kind[0]),
 		cmocka_unit_test_prestate(none_left_out, &kind[0]),
