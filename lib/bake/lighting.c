@@ -171,24 +171,31 @@ static gw_buffer *moment_of(const gw_scene *scene, gw_buffer *moment)
 	return gw_scene_keeps_moments(scene) ? moment : NULL;
 }
 
+/* What is sampled beside what is traced. */
+static gw_sampled_sources sources_of(gw_lighting *lighting)
+{
+	gw_scene *s = lighting->scene;
+	return (gw_sampled_sources){ .emitters = &lighting->emitters,
+								 .samples = s->options.light_samples,
+								 .sky = lighting->plan.sky_radiance,
+								 .map = &lighting->map,
+								 .map_samples = s->options.light_samples,
+								 .map_hits = true,
+								 .portals = &s->portals,
+								 .looked = true,
+								 .seed = (uint32_t)s->options.seed };
+}
+
 static gw_status first_by_rays(gw_lighting *lighting, gw_error *error)
 {
 	gw_scene *s = lighting->scene;
 	const gw_record_context on = gw_scene_context(s, &s->records);
 	const gw_record_context further = gw_scene_context(s, &s->further);
-	const gw_sampled_sources sources = { .emitters = &lighting->emitters,
-										 .samples = s->options.light_samples,
-										 .use_hits = true,
-										 .sky = lighting->plan.sky_radiance,
-										 .map = &lighting->map,
-										 .map_samples = s->options.light_samples,
-										 .map_hits = true,
-										 .portals = &s->portals,
-										 .looked = true,
-										 .seed = (uint32_t)s->options.seed,
-										 .kept = lighting->plan.emitters ? &s->sampled : NULL,
-										 .moment = moment_of(s, &s->records.first_moment),
-										 .kept_moment = &s->sampled_moment };
+	gw_sampled_sources sources = sources_of(lighting);
+	sources.use_hits = true;
+	sources.kept = lighting->plan.emitters ? &s->sampled : NULL;
+	sources.moment = moment_of(s, &s->records.first_moment);
+	sources.kept_moment = &s->sampled_moment;
 	gw_status status = open_to_sky(lighting, error);
 	if (status == GW_OK && s->further.count > 0 && sources.kept &&
 		s->sampled.handle != VK_NULL_HANDLE)
@@ -205,15 +212,9 @@ static gw_status first_by_buffers(gw_lighting *lighting, gw_error *error)
 	gw_scene *s = lighting->scene;
 	const gw_record_context on = gw_scene_context(s, &s->records);
 	bool large = lighting->plan.emitters && lighting->emitters.area_share >= GW_SAMPLED_SHARE;
-	const gw_sampled_sources sources = { .emitters = &lighting->emitters,
-										 .samples = large ? 0 : s->options.light_samples,
-										 .sky = lighting->plan.sky_radiance,
-										 .map = &lighting->map,
-										 .map_samples = s->options.light_samples,
-										 .map_hits = true,
-										 .portals = &s->portals,
-										 .looked = true,
-										 .seed = (uint32_t)s->options.seed };
+	gw_sampled_sources sources = sources_of(lighting);
+	if (large)
+		sources.samples = 0;
 	GW_TRY(open_to_sky(lighting, error));
 	gw_ray_gather hits = s->buffers.hits; /* portals are sampled alike, whatever the rays are */
 	hits.through = s->rays.through;
