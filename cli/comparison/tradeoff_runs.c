@@ -229,7 +229,7 @@ static gw_status bake_all(const baking *b, tradeoff *t, progress *shown, gw_erro
 		tradeoff_run *run = &t->run[i];
 		progress_show(shown, run->name, (double)i / (double)t->count);
 		status = run_one(b->scene, b->lights, b->light_count, run, b->back, error);
-		if (status == GW_ERROR_MEMORY && i > 0)
+		if ((status == GW_ERROR_MEMORY || status == GW_ERROR_DATA) && i > 0)
 			status = GW_OK;
 		if (status != GW_OK || run->status != GW_OK)
 			continue;

@@ -14,7 +14,8 @@ typedef struct tradeoff_run {
 	char name[32];         /* "rays normal", "rays normal, rays x 4" */
 	char options[128];     /* that give it on the command line of bake */
 	gw_bake_options bake;  /* the same for the library */
-	gw_status status;      /* GW_ERROR_MEMORY: it did not fit; the figures are not there then */
+	gw_status status;      /* GW_ERROR_MEMORY: it did not fit; GW_ERROR_DATA: these points have no
+							  place for it; the figures are not there then */
 	double seconds;        /* of the bake, without reading */
 	uint64_t host_bytes;   /* resident memory of the process at its highest, the scene included */
 	uint64_t device_bytes; /* memory on the device at its highest; part of the above where the
@@ -40,7 +41,8 @@ void tradeoff_plan(const gw_bake_options *base, tradeoff *tradeoff);
 /*
  * Bakes all of them, one after the other, and compares them with the first, over the points that
  * do not emit (over all, when all do).
- *   error  of the reference, whatever it is; of another run, anything but GW_ERROR_MEMORY
+ *   error  of the reference, whatever it is; of another run, anything but GW_ERROR_MEMORY and
+ *          GW_ERROR_DATA
  */
 gw_status tradeoff_bake(const loaded_scene *scene, const gw_light *lights, size_t light_count,
 						tradeoff *tradeoff, progress *shown, gw_error *error);

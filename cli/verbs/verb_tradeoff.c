@@ -50,7 +50,8 @@ static void print_row(const tradeoff_run *run, bool reference, FILE *out)
 {
 	fprintf(out, "%-24s", run->name);
 	if (run->status != GW_OK) {
-		fprintf(out, " does not fit into memory\n");
+		fprintf(out, run->status == GW_ERROR_MEMORY ? " does not fit into memory\n"
+													: " has no place among these points\n");
 		return;
 	}
 	if (reference)

@@ -15,3 +15,8 @@ glowworm tradeoff box.ply --max-error 0.000001 >/dev/null
 echo "status $?"
 glowworm tradeoff box.ply --csv - --svg -
 echo "status $?"
+# Where there is no room for probes, the others are told all the same.
+printf 'x,y,z,nx,ny,nz\n0,0,0,0,0,1\n1,0,0,0,0,1\n0,1,0,0,0,1\n' >three.csv
+glowworm tradeoff three.csv --light 'point at 0,0,1 intensity 1' >three.txt
+echo "status $?"
+grep -c 'has no place among these points' three.txt
