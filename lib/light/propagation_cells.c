@@ -294,8 +294,15 @@ static gw_status find_faces(making *m, gw_error *error)
 
 /* Behind faces that are closed there is surface, too, where it sends into other cells: light in a
  * passage one cell wide would gain with every step if but its two open faces counted. Steps along
- * it lose nothing, at most, from 6 (4/9 + 1/9) faces on: what a lobe sends ahead and back. */
-#define ENTRY_LEAST (10.0f / 3.0f)
+ * it gain nothing from 6 (4/9 + 1/9) faces on, of which a lobe sends 4/9 ahead and 1/9 back; around
+ * a corner it sends 1/6, and gains nothing whatever is open. */
+static float least_entry(const float through[FACES])
+{
+	float straight = 0.0f;
+	for (size_t face = 0; face < FACES; face += 2)
+		straight = fmaxf(straight, fminf(through[face], through[face + 1]));
+	return straight * 10.0f / 3.0f;
+}
 
 /* The area through which light gets into each cell: of its faces, and of what sends into it. */
 static gw_status add_areas(making *m, gw_error *error)
@@ -313,7 +320,7 @@ static gw_status add_areas(making *m, gw_error *error)
 			entry[s->cell[i]] += s->area[i / WEIGHTS] * s->weight[i];
 	}
 	for (size_t i = 0; i < m->volume->count; i++)
-		entry[i] = fmaxf(entry[i], ENTRY_LEAST);
+		entry[i] = fmaxf(entry[i], least_entry(m->through + FACES * i));
 	return GW_OK;
 }
 

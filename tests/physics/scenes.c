@@ -207,6 +207,22 @@ gw_bake_result *scene_bake(const gw_points *points, const gw_light *lights, size
 	return result;
 }
 
+void scene_bake_hall_twice(const gw_bake_options *options, gw_bake_result *result[2])
+{
+	scene s = { 0 };
+	const gw_light lamp = scene_point_light(2.0, 1.5, 1.2, 3.0f);
+	gw_bake_options own = *options;
+	scene_make_hall(&s);
+	const gw_points points = scene_points(&s);
+	for (size_t i = 0; i < 2; i++) {
+		result[i] = scene_bake(&points, &lamp, 1, &own);
+		own.threads = 3;
+	}
+	assert_memory_equal(result[0]->radiance, result[1]->radiance,
+						3 * s.count * sizeof *result[0]->radiance);
+	scene_clear(&s);
+}
+
 double *scene_areas(const gw_points *points)
 {
 	gw_surfels surfels;

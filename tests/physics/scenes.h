@@ -76,6 +76,13 @@ void scene_choose_passes(gw_pass_choice *passes, gw_validation *validate);
 gw_bake_result *scene_bake(const gw_points *points, const gw_light *lights, size_t light_count,
 						   const gw_bake_options *options);
 
+/*
+ * Bakes the hall (scene_make_hall) under a lamp, as options say and by three threads: the light has
+ * to be the same to the last bit.
+ *   result   receives the two bakes; each freed by the caller with gw_bake_result_destroy
+ */
+void scene_bake_hall_twice(const gw_bake_options *options, gw_bake_result *result[2]);
+
 /* The area that each point stands for, m^2, as the library finds it; freed by the caller. */
 double *scene_areas(const gw_points *points);
 

@@ -168,21 +168,14 @@ static void sky_over_floor(void **state)
 static void same_bytes(void **state)
 {
 	const gw_method methods[] = { GW_METHOD_LPV, GW_METHOD_PROBES };
-	const gw_light lamp = scene_point_light(2.0, 1.5, 1.2, 3.0f);
 	(void)state;
 	for (int i = 0; i < 2; i++) {
-		scene s = { 0 };
 		gw_bake_options options = options_of(methods[i]);
+		gw_bake_result *result[2];
 		options.rays = options.light_samples = 16;
-		scene_make_hall(&s);
-		gw_points points = scene_points(&s);
-		gw_bake_result *one = scene_bake(&points, &lamp, 1, &options);
-		options.threads = 3;
-		gw_bake_result *other = scene_bake(&points, &lamp, 1, &options);
-		assert_memory_equal(one->radiance, other->radiance, 3 * s.count * sizeof *one->radiance);
-		gw_bake_result_destroy(&one);
-		gw_bake_result_destroy(&other);
-		scene_clear(&s);
+		scene_bake_hall_twice(&options, result);
+		gw_bake_result_destroy(&result[0]);
+		gw_bake_result_destroy(&result[1]);
 	}
 }
 
