@@ -10,6 +10,7 @@
 
 #define TURNED 0.6    /* length of the mean direction to the points, below which it turned around */
 #define STEEPEST 0.6  /* sine of the steepest view, 37 degrees: steeper ones look odd */
+#define UPRIGHT 0.98  /* of the sine, too, 79 degrees: whoever looks down or up faces no way */
 #define WIDEST 75.0   /* degrees, of a picture; what is beyond is left out */
 #define NARROWEST 1.0 /* degrees */
 #define MARGIN 1.05   /* of a picture that holds all */
@@ -99,6 +100,8 @@ gw_status gw_viewpoint_of_scanner(const view_space *v, gw_viewpoint *to, gw_erro
 {
 	double way[3];
 	if (v->wish->scanner_count != 1 || mean_direction(v, v->wish->scanner, way) < TURNED)
+		return GW_OK;
+	if (fabs(view_dot(way, v->up)) > UPRIGHT)
 		return GW_OK;
 	level(v, way);
 	float *slope = gw_allocate_array(v->surfels->count, sizeof *slope);

@@ -412,6 +412,25 @@ static void test_depth_camera(void **state)
 	assert_false(find_view(position, 1200, wish).from_scanner);
 }
 
+/* One that looks straight down says nothing of a way to face: a floor around the place below it is
+ * looked at as other things are. */
+static void test_scanner_above(void **state)
+{
+	(void)state;
+	double position[3 * 21 * 21];
+	const double scanner[3] = { 0, 0, 1 };
+	for (size_t i = 0; i < 21 * 21; i++) {
+		position[3 * i] = 0.05 * ((double)(i % 21) - 10.0);
+		position[3 * i + 1] = 0.05 * ((double)(i / 21) - 10.0);
+		position[3 * i + 2] = 0.0;
+	}
+	gw_viewpoint_wish wish = { .scanner = scanner, .scanner_count = 1, .up = 'z' };
+	gw_viewpoint v = find_view(position, 21 * 21, wish);
+	assert_false(v.from_scanner);
+	for (int k = 0; k < 3; k++)
+		assert_true(isfinite(v.at[k]) && isfinite(v.to[k]));
+}
+
 /* Right-handed for every axis; that of depth cameras is right, down and ahead. */
 static void test_stand(void **state)
 {
@@ -582,6 +601,7 @@ int main(void)
 		cmocka_unit_test(test_around),
 		cmocka_unit_test(test_scanner_side),
 		cmocka_unit_test(test_depth_camera),
+		cmocka_unit_test(test_scanner_above),
 		cmocka_unit_test(test_stand),
 		cmocka_unit_test(test_choice),
 	};
