@@ -375,8 +375,9 @@ typedef struct gw_bake_options {
 	float record_spacing; /* leaf cells between records, 0..64; 0 places one on every surface piece
 							 of every leaf, as in Salm 4.4.3 */
 	uint32_t least_records; /* where there would be fewer, records stand closer, but for this never
-							   nearer than 0.8 leaf cells: light is not even between few. 0: as they
-							   come */
+							   nearer than 0.8 leaf cells: light is not even between few. Up to four
+							   times as many where surface reflects more than half of its light. 0:
+							   as they come */
 	uint32_t most_records;  /* where there would be more, records stand farther apart at first, and
 							   more are put where they disagree, nowhere nearer than record_spacing,
 							   until gathered_error is reached: so light costs no more where points

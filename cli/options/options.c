@@ -576,8 +576,10 @@ const option options[] = {
 	  .help = "leaf cells between records; 0 puts one on every surface of every leaf" },
 	{ "least-records", 0, "N", OPTION_COUNT, FOR(BAKE | PLAN | RENDER | ALBEDO | PROBES),
 	  .scene = true, AT(bake.least_records), RANGE(0.0, 1e9), .group = "Light",
-	  .help = "records of which a small cloud has at least so many: they stand closer than "
-			  "--record-spacing where that leaves fewer, unless that is given by itself" },
+	  .help =
+		  "records of which a small cloud has at least so many: they stand closer than "
+		  "--record-spacing where that leaves fewer, unless that is given by itself; up to four "
+		  "times as many where surface is white" },
 	{ "most-records", 0, "N", OPTION_COUNT, FOR(BAKE | PLAN | ALBEDO | PROBES), .scene = true,
 	  AT(bake.most_records), RANGE(0.0, 1e9), .group = "Light",
 	  .help = "records with which a large cloud begins at most, farther apart than "

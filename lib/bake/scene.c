@@ -7,8 +7,8 @@
 
 #include "light/direct_light.h"
 #include "glowworm_host.h"
-#include "base/nth_element.h"
 #include "base/memory.h"
+#include "base/nth_element.h"
 #include "octree/compartments.h"
 #include "bake/report.h"
 #include "cloud/strays.h"
@@ -688,15 +688,11 @@ void gw_scene_forget_light(gw_scene *scene)
 	gw_buffer_destroy(scene->gpu, &scene->rays.through);
 }
 
-/* Of fewer points nobody knows the surface so well that light between records would matter. */
-#define RECORDS_POINTS 500u
-
 gw_record_wish gw_scene_wish_records(const gw_scene *scene, const gw_bake_options *o)
 {
-	bool closer = scene->surfels.count >= RECORDS_POINTS;
 	bool few = scene->adds_records && gw_options_few_records(o);
 	return (gw_record_wish){ .spacing = o->record_spacing,
-							 .least = closer ? o->least_records : 0,
+							 .least = gw_records_least(&scene->surfels, o->least_records),
 							 .most = few ? o->most_records : 0,
 							 .seed = o->seed };
 }

@@ -346,7 +346,7 @@ static void white_rooms_of_few_points(void **state)
 		size_t count;
 		float albedo;
 		double bar;
-	} row[] = { { 3000, 0.95f, 0.005 }, { 3000, 0.98f, 0.01 }, { 10000, 0.95f, 0.005 } };
+	} row[] = { { 3000, 0.95f, 0.005 }, { 3000, 0.98f, 0.01 }, { 20000, 0.95f, 0.005 } };
 	for (size_t i = 0; i < 3 * sizeof row / sizeof *row; i++) {
 		double mean = white_room_mean(i % 3, row[i / 3].count, row[i / 3].albedo);
 		print_message("%zu points, albedo %g: %+.2f %%\n", row[i / 3].count,
