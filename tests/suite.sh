@@ -12,8 +12,8 @@
 #   lint                   tests/lint/check_*.sh and test_*.sh; each script is a test
 #   style                  those of them that look at the sources alone, in seconds
 #
-# Prints one line a group, the output of what failed, and at the end `N passed, N failed`. The
-# exit status is 1 when a test failed or when there was none.
+# Prints one line a group, the output of what failed, the programs and scripts that took longest,
+# and at the end `N passed, N failed`. The exit status is 1 when a test failed or when there was none.
 set -u
 export LC_ALL=C TZ=UTC
 root=$(cd "$(dirname "$0")/.." && pwd)
@@ -31,6 +31,9 @@ export UBSAN_OPTIONS="print_stacktrace=1"
 # glibc fills memory that is allocated with 0x5a and what is freed with 0xa5, so that a value that
 # was never set is wrong in every run. Sanitizers have an allocator of their own.
 export MALLOC_PERTURB_=${MALLOC_PERTURB_-165}
+
+# A line for each program and script: seconds, and its name.
+export GLOWWORM_TEST_SECONDS=$scratch/seconds
 passed=0 failed=0 skipped=0
 
 count_lines() { # pattern file
@@ -39,12 +42,14 @@ count_lines() { # pattern file
 
 # Runs one cmocka program.
 run_program() { # program
-	local log
+	local log begin
 	log=$scratch/$(basename "$1").log
+	begin=$(date +%s)
 	timeout --kill-after=10 "$limit" "$1" >"$log" 2>&1 </dev/null &
 	trap "kill $! 2>/dev/null; exit 143" TERM
 	wait $!
 	echo $? >"$log.status"
+	echo "$(($(date +%s) - begin)) $1" >>"$GLOWWORM_TEST_SECONDS"
 }
 
 # Counts what it said. A program that crashes or leaks has at least one failure, and the test it was
@@ -146,7 +151,9 @@ run_torture() { # build
 run_lint() { # build script...
 	local script build=$1
 	shift
+	local begin
 	for script in "$@"; do
+		begin=$(date +%s)
 		if BUILD=$build timeout "$limit" bash "$script" >"$scratch/log" 2>&1; then
 			group_passed=$((group_passed + 1))
 		else
@@ -154,6 +161,7 @@ run_lint() { # build script...
 			echo "FAIL $script"
 			head -n 60 "$scratch/log" | sed 's/^/   /'
 		fi
+		echo "$(($(date +%s) - begin)) $script" >>"$GLOWWORM_TEST_SECONDS"
 	done
 }
 
@@ -192,6 +200,8 @@ for item in "$@"; do
 	passed=$((passed + group_passed))
 	failed=$((failed + group_failed))
 done
+[ -f "$GLOWWORM_TEST_SECONDS" ] && sort -rn "$GLOWWORM_TEST_SECONDS" | head -n 12 |
+	awk 'NR == 1 { print "took longest, seconds:" } { printf "%6d %s\n", $1, $2 }'
 [ "$skipped" -eq 0 ] || echo "$skipped skipped"
 echo "$passed passed, $failed failed"
 [ "$failed" -eq 0 ] && [ "$passed" -gt 0 ]
