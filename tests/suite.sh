@@ -12,8 +12,8 @@
 #   lint                   tests/lint/check_*.sh and test_*.sh; each script is a test
 #   style                  those of them that look at the sources alone, in seconds
 #
-# Prints one line a group, the output of what failed, the programs and scripts that took longest,
-# and at the end `N passed, N failed`. The exit status is 1 when a test failed or when there was none.
+# Prints one line a group, the output of what failed, what took longest, and at the end
+# `N passed, N failed`. The exit status is 1 when a test failed or when there was none.
 set -u
 export LC_ALL=C TZ=UTC
 root=$(cd "$(dirname "$0")/.." && pwd)
