@@ -32,7 +32,9 @@ export UBSAN_OPTIONS="print_stacktrace=1"
 # was never set is wrong in every run. Sanitizers have an allocator of their own.
 export MALLOC_PERTURB_=${MALLOC_PERTURB_-165}
 
-# A line for each program and script: seconds, and its name.
+# A line for each program and script: seconds of the processor, and its name.
+# shellcheck source=tests/seconds_spent
+. "$root/tests/seconds_spent"
 export GLOWWORM_TEST_SECONDS=$scratch/seconds
 passed=0 failed=0 skipped=0
 
@@ -42,14 +44,13 @@ count_lines() { # pattern file
 
 # Runs one cmocka program.
 run_program() { # program
-	local log begin
+	local log
 	log=$scratch/$(basename "$1").log
-	begin=$(date +%s)
 	timeout --kill-after=10 "$limit" "$1" >"$log" 2>&1 </dev/null &
 	trap "kill $! 2>/dev/null; exit 143" TERM
 	wait $!
 	echo $? >"$log.status"
-	echo "$(($(date +%s) - begin)) $1" >>"$GLOWWORM_TEST_SECONDS"
+	note_seconds "$1"
 }
 
 # Counts what it said. A program that crashes or leaks has at least one failure, and the test it was
@@ -151,17 +152,19 @@ run_torture() { # build
 run_lint() { # build script...
 	local script build=$1
 	shift
-	local begin
 	for script in "$@"; do
-		begin=$(date +%s)
-		if BUILD=$build timeout "$limit" bash "$script" >"$scratch/log" 2>&1; then
+		if (
+			BUILD=$build timeout "$limit" bash "$script" >"$scratch/log" 2>&1
+			status=$?
+			note_seconds "$script"
+			exit $status
+		); then
 			group_passed=$((group_passed + 1))
 		else
 			group_failed=$((group_failed + 1))
 			echo "FAIL $script"
 			head -n 60 "$scratch/log" | sed 's/^/   /'
 		fi
-		echo "$(($(date +%s) - begin)) $script" >>"$GLOWWORM_TEST_SECONDS"
 	done
 }
 
@@ -201,7 +204,7 @@ for item in "$@"; do
 	failed=$((failed + group_failed))
 done
 [ -f "$GLOWWORM_TEST_SECONDS" ] && sort -rn "$GLOWWORM_TEST_SECONDS" | head -n 12 |
-	awk 'NR == 1 { print "took longest, seconds:" } { printf "%6d %s\n", $1, $2 }'
+	awk 'NR == 1 { print "took longest, seconds of the processor:" } { printf "%6d %s\n", $1, $2 }'
 [ "$skipped" -eq 0 ] || echo "$skipped skipped"
 echo "$passed passed, $failed failed"
 [ "$failed" -eq 0 ] && [ "$passed" -gt 0 ]

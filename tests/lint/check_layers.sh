@@ -28,11 +28,12 @@ check_rooms() {
 }
 
 # The rooms of a folder that one of them may use: those up to itself, with blanks around each. A
-# file that stands in no room may use all of them.
+# file that stands in no room may use all of them. Into `allowed`, as no process is started for it.
 rooms_up_to() { # folder room
 	local room
+	allowed=
 	for room in ${rooms[$1]}; do
-		printf ' %s ' "$room"
+		allowed+=" $room "
 		[ "$room" != "$2" ] || return
 	done
 }
@@ -67,7 +68,7 @@ check_includes() { # folder others...
 			name=${name%\"}
 			room=${file#*/}
 			room=${room%%/*}
-			[ "$room" = "$known" ] || allowed=$(rooms_up_to "$folder" "$room")
+			[ "$room" = "$known" ] || rooms_up_to "$folder" "$room"
 			known=$room
 			may_include "$name" "$folder" "$allowed" "$@" ||
 				echo "$file: includes $name, which is not in its room, one before it," \
@@ -75,19 +76,16 @@ check_includes() { # folder others...
 		done
 }
 
-# Comments do not count, so the preprocessor takes them out first; line numbers stay right.
 check_silence() {
-	local file calls='printf|vprintf|puts|putchar|perror|exit|_exit|quick_exit|abort'
-	list_sources | grep -E '^(lib|formats)/.*\.(c|h|cpp|hpp)$' | while read -r file; do
-		gcc -fpreprocessed -dD -E -x c "$file" 2>/dev/null | awk -v file="$file" -v calls="$calls" '
-			/^# [0-9]+ "/ { line = $2 - 1; next }
-			{ line++ }
-			$0 ~ "(^|[^A-Za-z0-9_])(" calls ") *[(]" ||
-			/(^|[^A-Za-z0-9_])(stdout|stderr)([^A-Za-z0-9_]|$)/ ||
-			/std::(cout|cerr|clog)/ {
-				printf "%s:%d: prints or ends the process: %s\n", file, line, $0
-			}'
-	done
+	local calls='printf|vprintf|puts|putchar|perror|exit|_exit|quick_exit|abort'
+	list_sources | grep -E '^(lib|formats)/.*\.(c|h|cpp|hpp)$' | code_of_files |
+		awk -v calls="$calls" '
+			{ code = $0; sub(/^[^ ]* /, "", code) }
+			code ~ "(^|[^A-Za-z0-9_])(" calls ") *[(]" ||
+			code ~ /(^|[^A-Za-z0-9_])(stdout|stderr)([^A-Za-z0-9_]|$)/ ||
+			code ~ /std::(cout|cerr|clog)/ {
+				sub(/: /, ": prints or ends the process: ")
+				print }'
 }
 
 complain < <(check_rooms)

@@ -5,7 +5,9 @@
 # shellcheck source=tests/lint/tree_files
 . "$(dirname "$0")/tree_files"
 
-# The README that has to name a file: in its folder, or the nearest one above that is not the root.
+# The README that has to name a file, into `readme`: in its folder, or the nearest one above that is
+# not the root. And what it says, which is read once.
+declare -A text_of=()
 readme_of() { # file
 	local folder=${1%/*}
 	while [ ! -f "$folder/README.md" ]; do
@@ -14,44 +16,52 @@ readme_of() { # file
 		*) break ;;
 		esac
 	done
-	echo "$folder/README.md"
+	readme=$folder/README.md
+	if [ -z "${text_of[$readme]+read}" ]; then
+		text_of[$readme]=$(cat "$readme" 2>/dev/null)
+	fi
 }
 
 check_named() {
 	local file readme
-	list_sources | while read -r file; do
-		case $file in
-		tests/cli/*.sh)
-			sed -n 1,12p "$file" | grep -q '^# ..' || echo "$file: begins with no comment"
-			continue
-			;;
-		*/*) ;;
-		*) continue ;;
-		esac
-		readme=$(readme_of "$file")
+	while read -r file; do
+		[[ $file = */* && $file != tests/cli/*.sh ]] || continue
+		readme_of "$file"
 		if [ ! -f "$readme" ]; then
 			echo "$file: there is no $readme to name it"
-		elif ! grep -q -F "\`${file##*/}\`" "$readme"; then
+		elif [[ ${text_of[$readme]} != *"\`${file##*/}\`"* ]]; then
 			echo "$readme: does not name ${file##*/}"
 		fi
-	done
+	done < <(list_sources)
+}
+
+check_scripts_comment() {
+	list_sources | grep '^tests/cli/.*\.sh$' | tr '\n' '\0' | xargs -0r awk '
+		FNR == 1 { seen[FILENAME] = 0 }
+		FNR <= 12 && /^# ../ { seen[FILENAME] = 1 }
+		END { for (file in seen) if (!seen[file]) print file ": begins with no comment" }'
 }
 
 # Names in back quotes that look like source files have to be files below the README's folder.
 check_stale() {
-	local readme folder name files
-	files=$(list_files)
-	grep -E '^(cli|lib|formats|shaders|samples|tests|man)/(.*/)?README\.md$' <<<"$files" |
-		while read -r readme; do
-			folder=${readme%/*}
-			grep -oE '`[A-Za-z0-9_.-]+\.(c|h|cpp|hpp|comp|glsl|sh)`' "$readme" | tr -d '`' |
-				while read -r name; do
-					grep -qE "^$folder/(.*/)?$name\$" <<<"$files" ||
-						echo "$readme: names $name, which is not in $folder/"
-				done
+	local file folder readme name
+	local -A below=()
+	while read -r file; do
+		folder=$file
+		while [[ $folder = */* ]]; do
+			folder=${folder%/*}
+			below[$folder/${file##*/}]=yes
 		done
+	done < <(list_files)
+	while IFS=: read -r readme name; do
+		[ -n "${below[${readme%/*}/$name]:-}" ] ||
+			echo "$readme: names $name, which is not in ${readme%/*}/"
+	done < <(list_files | grep -E '^(cli|lib|formats|shaders|samples|tests|man)/(.*/)?README\.md$' |
+		tr '\n' '\0' |
+		xargs -0r grep -HoE '`[A-Za-z0-9_.-]+\.(c|h|cpp|hpp|comp|glsl|sh)`' | tr -d '`')
 }
 
 complain < <(check_named)
+complain < <(check_scripts_comment)
 complain < <(check_stale)
 finish

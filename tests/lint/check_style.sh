@@ -19,17 +19,13 @@ find_lines() { # words grep-options...
 }
 
 check_lines() {
-	local file
 	list_text | find_lines 'blanks at the end' -E -e '[[:blank:]]+$'
 	# Zero width, direction marks, line separators, no-break space, byte order mark, controls.
 	list_text | find_lines 'an invisible character' -P \
 		-e '[\x{00A0}\x{00AD}\x{200B}-\x{200F}\x{2028}-\x{202F}\x{2060}-\x{206F}\x{FEFF}]'
 	list_text | find_lines 'a control character' -P -e '[\x01-\x08\x0B-\x1F\x7F]'
-	list_text | while read -r file; do
-		if [ -s "$file" ] && [ -n "$(tail -c 1 "$file")" ]; then
-			echo "$file: no newline at the end"
-		fi
-	done
+	list_text | tr '\n' '\0' |
+		xargs -0 perl -0777 -ne 'print "$ARGV: no newline at the end\n" if /[^\n]\z/'
 }
 
 # An indented line that follows the end of a statement or a brace has to begin with a tab; blanks
