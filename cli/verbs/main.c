@@ -9,6 +9,7 @@
 #include "program/text_quote.h"
 #include "verbs/verbs.h"
 
+#include <malloc.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -130,8 +131,18 @@ static int run_program(int count, char **argument)
 	return exit_code_of(status, signals_pending());
 }
 
+/* What is freed is used again instead of going back to the system, which would have to clear its
+ * pages anew, and grows in steps that huge pages fit into: see gw_wish_huge_pages. */
+static void keep_freed_memory(void)
+{
+	mallopt(M_MMAP_THRESHOLD, 32 << 20);
+	mallopt(M_TRIM_THRESHOLD, 64 << 20);
+	mallopt(M_TOP_PAD, 16 << 20);
+}
+
 int main(int count, char **argument)
 {
+	keep_freed_memory();
 	signals_install();
 	crash_install();
 	int code = run_program(count, argument);

@@ -8,15 +8,44 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <sys/resource.h>
 #include <unistd.h>
+
+#define HUGE_PAGE ((uintptr_t)2 << 20) /* bytes, of x86-64 and of most others */
+#define HUGE_LEAST ((size_t)128 << 10) /* bytes; for less it is not worth a call of the system */
+
+/* Memory below the break is malloc's own heap: there the pages around an array are advised whole,
+ * up to the break, as the next array will lie beside it. Elsewhere only pages that the array fills.
+ */
+void gw_wish_huge_pages(void *memory, size_t bytes)
+{
+	if (memory == NULL || bytes < HUGE_LEAST)
+		return;
+	uintptr_t from = (uintptr_t)memory, to = from + bytes, top = (uintptr_t)sbrk(0);
+	if (to <= top) {
+		from = from / HUGE_PAGE * HUGE_PAGE;
+		to = top;
+	} else {
+		from = (from + HUGE_PAGE - 1) / HUGE_PAGE * HUGE_PAGE;
+		to = to / HUGE_PAGE * HUGE_PAGE;
+	}
+	if (to > from)
+		(void)madvise((void *)from, to - from, MADV_HUGEPAGE);
+}
+
+static void *wish(void *memory, size_t bytes)
+{
+	gw_wish_huge_pages(memory, bytes);
+	return memory;
+}
 
 void *gw_allocate_array(size_t count, size_t size)
 {
 	size_t bytes;
 	if (__builtin_mul_overflow(count, size, &bytes) || bytes > PTRDIFF_MAX)
 		return NULL;
-	return malloc(bytes > 0 ? bytes : 1);
+	return wish(malloc(bytes > 0 ? bytes : 1), bytes);
 }
 
 void *gw_allocate_zeros(size_t count, size_t size)
@@ -24,7 +53,7 @@ void *gw_allocate_zeros(size_t count, size_t size)
 	size_t bytes;
 	if (__builtin_mul_overflow(count, size, &bytes) || bytes > PTRDIFF_MAX)
 		return NULL;
-	return calloc(bytes > 0 ? bytes : 1, 1);
+	return wish(calloc(bytes > 0 ? bytes : 1, 1), bytes);
 }
 
 void *gw_resize_array(void *array, size_t count, size_t size)
@@ -32,7 +61,7 @@ void *gw_resize_array(void *array, size_t count, size_t size)
 	size_t bytes;
 	if (__builtin_mul_overflow(count, size, &bytes) || bytes > PTRDIFF_MAX)
 		return NULL;
-	return realloc(array, bytes > 0 ? bytes : 1);
+	return wish(realloc(array, bytes > 0 ? bytes : 1), bytes);
 }
 
 /* Reads one number from a file such as the kernel writes; false for "max" or when it isn't there.

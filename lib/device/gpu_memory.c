@@ -302,9 +302,11 @@ static gw_status make_buffer(gw_gpu *gpu, const gw_buffer_description *descripti
 	buffer->mapped = (void *)(uintptr_t)lent;
 	/* Stays mapped until the memory is freed. */
 	if (lent == NULL && gpu->device.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU &&
-		is_mappable(gpu, UINT32_MAX))
+		is_mappable(gpu, UINT32_MAX)) {
 		GW_VULKAN(gpu, error, name,
 				  vkMapMemory(gpu->handle, buffer->memory, 0, VK_WHOLE_SIZE, 0, &buffer->mapped));
+		gw_wish_huge_pages(buffer->mapped, size);
+	}
 	return GW_OK;
 }
 

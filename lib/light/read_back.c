@@ -40,16 +40,18 @@ static gw_status create(gw_gpu *gpu, rows *r, gw_error *error)
 							&r->on_device.weight, error);
 }
 
-/* Room for a further chunk; lists grow by half. */
-static gw_status reserve(gw_read_back *b, rows *r, size_t used, gw_error *error)
+/* Room for the chunk from surfel `first` on, and for all others if theirs are as long as those so
+ * far. */
+static gw_status reserve(gw_read_back *b, rows *r, size_t first, gw_error *error)
 {
-	size_t needed = used + (size_t)GW_SURFEL_WEIGHTS * CHUNK;
+	size_t used = b->first[first], needed = used + (size_t)GW_SURFEL_WEIGHTS * CHUNK;
 	if (needed > UINT32_MAX)
 		return gw_fail(error, GW_ERROR_MEMORY, "%zu surfels have more than 2^32 records near",
 					   b->count);
 	if (needed <= r->room)
 		return GW_OK;
-	size_t room = needed + used / 2;
+	double length = first > 0 ? (double)used / (double)first : 0.0;
+	size_t room = needed + (size_t)(length * (double)(b->count - first));
 	uint32_t *record = gw_resize_array(b->record, room, sizeof *record);
 	if (record)
 		b->record = record;
@@ -129,7 +131,7 @@ static gw_status find_rows(const gw_record_context *on, const renewal *how, rows
 		size_t left = b->count - first, count = left < CHUNK ? left : CHUNK;
 		r->on_device.first = first;
 		r->on_device.count = count;
-		GW_TRY(reserve(b, r, b->first[first], error));
+		GW_TRY(reserve(b, r, first, error));
 		if (looks(how, first, count))
 			GW_TRY(find_chunk(on, how->reach, r, error));
 		pack(b, r, how, first, count);

@@ -8,9 +8,12 @@
 
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include <cmocka.h>
 
@@ -50,6 +53,48 @@ static void test_names(void **state)
 			assert_string_not_equal(gw_light_type_name((gw_light_type)i),
 									gw_light_type_name((gw_light_type)j));
 	assert_string_equal(gw_light_type_name(GW_LIGHT_SUN), "sun");
+}
+
+/* Whether the system was advised to hold an address in huge pages: `hg` among the flags of its
+ * mapping, proc(5). */
+static bool is_advised_huge(const void *address)
+{
+	FILE *file = fopen("/proc/self/smaps", "re");
+	assert_non_null(file);
+	char line[512], end;
+	unsigned long from, to;
+	bool here = false, advised = false;
+	while (fgets(line, sizeof line, file) != NULL) {
+		if (sscanf(line, "%lx-%lx%c", &from, &to, &end) == 3)
+			here = from <= (unsigned long)address && (unsigned long)address < to;
+		else if (here && strncmp(line, "VmFlags:", 8) == 0)
+			advised = strstr(line, " hg") != NULL;
+	}
+	fclose(file);
+	return advised;
+}
+
+/* Large arrays lie in huge pages, small ones do not ask; where the system has none it is not asked
+ * in vain. */
+static void test_huge_pages(void **state)
+{
+	(void)state;
+	if (access("/sys/kernel/mm/transparent_hugepage/enabled", F_OK) != 0)
+		return;
+	const size_t large = (size_t)64 << 20;
+	char *array[] = { gw_allocate_array(large, 1), gw_allocate_zeros(large, 1),
+					  gw_resize_array(gw_allocate_array(1000, 1), large, 1) };
+	for (int i = 0; i < 3; i++) {
+		assert_non_null(array[i]);
+		assert_true(is_advised_huge(array[i] + large / 2));
+		free(array[i]);
+	}
+	char *small = mmap(NULL, 4096, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+	assert_ptr_not_equal(small, MAP_FAILED);
+	gw_wish_huge_pages(small, 4096);
+	assert_false(is_advised_huge(small));
+	gw_wish_huge_pages(NULL, large);
+	munmap(small, 4096);
 }
 
 static void test_arrays(void **state)
@@ -132,9 +177,9 @@ static void test_parallel_for(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_fail),         cmocka_unit_test(test_names),
-		cmocka_unit_test(test_arrays),       cmocka_unit_test(test_clock),
-		cmocka_unit_test(test_parallel_for),
+		cmocka_unit_test(test_fail),   cmocka_unit_test(test_names),
+		cmocka_unit_test(test_arrays), cmocka_unit_test(test_huge_pages),
+		cmocka_unit_test(test_clock),  cmocka_unit_test(test_parallel_for),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
