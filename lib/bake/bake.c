@@ -11,12 +11,18 @@
 #include "bake/forecast.h"
 #include "bake/half_forecast.h"
 #include "bake/half_sample.h"
+#include "bake/lighting_error.h"
+#include "bake/lighting_steps.h"
+#include "bake/options_check.h"
 #include "base/memory.h"
 #include "bake/record_fields.h"
+#include "bake/record_steps.h"
 #include "bake/refine.h"
+#include "bake/region.h"
 #include "bake/report.h"
 #include "bake/result.h"
 #include "bake/scaled_scene.h"
+#include "bake/scene_records.h"
 #include "bake/transport.h"
 #include "bake/unlit_space.h"
 #include "bake/voxels.h"
@@ -91,6 +97,7 @@ static gw_status make_surfels(bake *b, gw_error *error)
 {
 	const gw_scene_description from = { b->points, b->light.lights, b->light.light_count };
 	GW_TRY(gw_scene_make_surfels(&b->scene, &from, error));
+	GW_TRY(gw_region_ask(&b->scene, error));
 	return gw_unlit_space_find(&b->scene, &from, error);
 }
 
@@ -120,10 +127,18 @@ static gw_status light_directly(bake *b, gw_error *error)
 	return GW_OK;
 }
 
+static gw_status bake_half(const gw_scene_description *scene, const gw_bake_options *options,
+						   gw_gpu **device, const gw_bake_callbacks *callbacks,
+						   gw_bake_result **result, gw_error *error)
+{
+	const gw_bake_manner manner = { .device = device };
+	return gw_bake_once(scene, options, manner, callbacks, result, error);
+}
+
 static gw_status foretell_halves(bake *b, const gw_bake_result *light, gw_error *error)
 {
 	const gw_scene_description scene = { b->points, b->light.lights, b->light.light_count };
-	const gw_half_forecast_task task = { &scene, &b->scene.options, &b->scene.callbacks,
+	const gw_half_forecast_task task = { bake_half, &scene, &b->scene.options, &b->scene.callbacks,
 										 b->scene.gpu };
 	return gw_half_forecast_add(&task, light, b->report, error);
 }

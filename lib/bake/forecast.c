@@ -12,6 +12,11 @@
 #include "bake/error_price.h"
 #include "bake/report.h"
 #include "bake/result.h"
+#include "bake/record_steps.h"
+#include "bake/scene_records.h"
+#include "bake/options_check.h"
+#include "bake/lighting_steps.h"
+#include "bake/lighting_error.h"
 #include "base/memory.h"
 #include "glowworm_host.h"
 

@@ -14,6 +14,10 @@
 #include "bake/report.h"
 #include "bake/result.h"
 #include "bake/volume_light.h"
+#include "bake/record_steps.h"
+#include "bake/options_check.h"
+#include "bake/lighting_steps.h"
+#include "bake/lighting_error.h"
 
 #include <math.h>
 #include <stdlib.h>

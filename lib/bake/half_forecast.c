@@ -64,8 +64,7 @@ static gw_status bake_half(const gw_half_forecast_task *task, const gw_bake_opti
 	if (half->points.count == 0)
 		return gw_fail(error, GW_ERROR_DATA, "nothing is left of the points in half of them");
 	gw_gpu_put_aside(device, &aside);
-	gw_status status =
-		gw_bake_once(&part, options, (gw_bake_manner){ .device = &device }, &quiet, result, error);
+	gw_status status = task->bake(&part, options, &device, &quiet, result, error);
 	gw_gpu_go_on(task->device, &aside);
 	return status == GW_OK ? refuse_coarser(*result, error) : status;
 }

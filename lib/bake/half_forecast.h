@@ -13,8 +13,14 @@
 
 #include "device/passes.h"
 
+/* Bakes points as they are given, on a device that is lent: gw_bake_once. */
+typedef gw_status gw_half_bake(const gw_scene_description *scene, const gw_bake_options *options,
+							   gw_gpu **device, const gw_bake_callbacks *callbacks,
+							   gw_bake_result **result, gw_error *error);
+
 /* The whole bake. */
 typedef struct gw_half_forecast_task {
+	gw_half_bake *bake;
 	const gw_scene_description *scene;
 	const gw_bake_options *options;     /* checked and effective (scene.h) */
 	const gw_bake_callbacks *callbacks; /* asked whether it is cancelled; told nothing */

@@ -6,6 +6,7 @@
 #include "bake/half_sample.h"
 #include "bake/report.h"
 #include "bake/scene.h"
+#include "bake/options_check.h"
 #include "device/gpu.h"
 #include "glowworm_host.h"
 

@@ -9,6 +9,11 @@
 #include "bake/report.h"
 #include "bake/result.h"
 #include "bake/volume_light.h"
+#include "bake/record_steps.h"
+#include "bake/options_check.h"
+#include "bake/lighting_steps.h"
+#include "bake/lighting_error.h"
+#include "bake/region.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -47,6 +52,7 @@ static gw_status prepare(gw_scene *scene, const gw_scene_description *from, gw_e
 	GW_TRY(gw_scene_open_device(scene, error));
 	GW_TRY(begin(scene, "surfels", 0.01, 0.45, error));
 	GW_TRY(gw_scene_make_surfels(scene, from, error));
+	GW_TRY(gw_region_ask(scene, error));
 	if (traces || o->unknown || gw_effect_forced(o, GW_EFFECT_GAPS))
 		GW_TRY(gw_scene_find_space(scene, from->points, error));
 	GW_TRY(begin(scene, "octree", 0.46, 0.3, error));

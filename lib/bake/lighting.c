@@ -3,25 +3,16 @@
  */
 #include "bake/lighting.h"
 #include "bake/report.h"
-#include "bake/volume_light.h"
+#include "bake/scene_records.h"
 
-#include "light/bounces.h"
-#include "light/cones_apart.h"
 #include "light/direct_light.h"
-#include "estimate/error_estimate.h"
-#include "estimate/gap_error.h"
-#include "light/gap_light.h"
 #include "light/lamp_reach.h"
-#include "light/shut_out.h"
-#include "octree/compartments.h"
 #include "base/luminance.h"
 #include "base/memory.h"
 #include "surfels/surfel_backs.h"
 
 #include <math.h>
 #include <stdlib.h>
-
-#define PATCH_SEED 0x2c1b3c6du
 
 void gw_lighting_plan(gw_lighting *lighting)
 {
@@ -55,9 +46,8 @@ void gw_lighting_plan_part(gw_lighting *part, bool emission)
 							   plan->sky_radiance[1] > 0.0f || plan->sky_radiance[2] > 0.0f);
 }
 
-/* A buffer of `count` dark vec4, made when there is none yet. */
-static gw_status darken(gw_lighting *lighting, gw_buffer_kind kind, uint64_t count,
-						const char *name, gw_buffer *buffer, gw_error *error)
+gw_status gw_lighting_darken(gw_lighting *lighting, gw_buffer_kind kind, uint64_t count,
+							 const char *name, gw_buffer *buffer, gw_error *error)
 {
 	gw_gpu *gpu = lighting->scene->gpu;
 	if (buffer->handle != VK_NULL_HANDLE)
@@ -65,14 +55,6 @@ static gw_status darken(gw_lighting *lighting, gw_buffer_kind kind, uint64_t cou
 	VkFormat format = kind == GW_BUFFER_TEXEL ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_UNDEFINED;
 	return gw_buffer_create(gpu, &(gw_buffer_description){ kind, format, 16 * count, name }, buffer,
 							error);
-}
-
-/* Whose gaps are closed; NULL when they are open, or none is known. */
-static const gw_scanned_space *closed_space(const gw_scene *scene)
-{
-	return scene->options.gaps != GW_GAPS_OPEN && gw_scanned_space_known(&scene->space)
-			   ? &scene->space
-			   : NULL;
 }
 
 /* Those that have no power, or reach nothing. */
@@ -118,584 +100,43 @@ gw_status gw_lighting_direct(gw_lighting *lighting, gw_error *error)
 		drop_direct(lighting);
 		return GW_OK;
 	}
-	GW_TRY(darken(lighting, GW_BUFFER_TEXEL, scene->surfels.count, "direct irradiance",
-				  &lighting->surfel_direct, error));
+	GW_TRY(gw_lighting_darken(lighting, GW_BUFFER_TEXEL, scene->surfels.count, "direct irradiance",
+							  &lighting->surfel_direct, error));
 	if (slots > 0)
-		GW_TRY(darken(lighting, GW_BUFFER_TEXEL, slots, "facet direct irradiance",
-					  &lighting->facet_direct, error));
+		GW_TRY(gw_lighting_darken(lighting, GW_BUFFER_TEXEL, slots, "facet direct irradiance",
+								  &lighting->facet_direct, error));
 	const gw_lit_cloud cloud = { .passes = &scene->passes,
 								 .octree = &scene->octree,
 								 .surfels = &scene->surfels,
 								 .options = &scene->options,
 								 .lit = scene->region.lit,
 								 .asked = scene->region.asked,
-								 .closed = closed_space(scene) };
+								 .closed = gw_scene_closed_space(scene) };
 	if (lighting->plan.shadows)
 		GW_TRY(gw_scene_find_compartments(scene, error));
 	bool off = lighting->whole == NULL && scene->surfels.shading_normal_off && lighting->plan.error;
 	if (off)
-		GW_TRY(darken(lighting, GW_BUFFER_TEXEL, scene->surfels.count,
-					  "irradiance of normals that are off", &lighting->surfel_turned, error));
+		GW_TRY(gw_lighting_darken(lighting, GW_BUFFER_TEXEL, scene->surfels.count,
+								  "irradiance of normals that are off", &lighting->surfel_turned,
+								  error));
 	const gw_direct_irradiance to = { &lighting->surfel_direct, &lighting->facet_direct,
 									  lighting->given, off ? &lighting->surfel_turned : NULL };
 	return gw_direct_light(&cloud, lighting->lights, lighting->light_count, &to, error);
 }
 
-/* ------------------------------------------------------------------------------ first gather */
-
-static void report_portals(gw_report *report, const gw_portals *portals)
-{
-	double percent = 100.0 * (double)portals->escaped;
-	if (portals->count > 0)
-		gw_report_effect(report, "portals", "sampled beside the rays",
-						 "%.3g %% of the rays leave the scene; %u cells let most of them through",
-						 percent, portals->count);
-	else
-		gw_report_effect(report, "portals", NULL, "%.3g %% of the rays leave the scene%s", percent,
-						 percent > 0.0 ? ", through no portal" : "");
-}
-
-static gw_status open_to_sky(gw_lighting *lighting, gw_error *error)
-{
-	if (!lighting->plan.sky && !lighting->plan.portals)
-		return GW_OK;
-	GW_TRY(gw_scene_open_to_sky(lighting->scene, error));
-	if (lighting->plan.portals)
-		report_portals(lighting->scene->report, &lighting->scene->portals);
-	return GW_OK;
-}
-
-/* Where moments of what is gathered go, if records keep them. */
-static gw_buffer *moment_of(const gw_scene *scene, gw_buffer *moment)
-{
-	return gw_scene_keeps_moments(scene) ? moment : NULL;
-}
-
-/* What is sampled beside what is traced. */
-static gw_sampled_sources sources_of(gw_lighting *lighting)
-{
-	gw_scene *s = lighting->scene;
-	return (gw_sampled_sources){ .emitters = &lighting->emitters,
-								 .samples = s->options.light_samples,
-								 .sky = lighting->plan.sky_radiance,
-								 .map = &lighting->map,
-								 .map_samples = s->options.light_samples,
-								 .map_hits = true,
-								 .portals = &s->portals,
-								 .looked = true,
-								 .seed = (uint32_t)s->options.seed };
-}
-
-static gw_status first_by_rays(gw_lighting *lighting, gw_error *error)
-{
-	gw_scene *s = lighting->scene;
-	const gw_record_context on = gw_scene_context(s, &s->records);
-	const gw_record_context further = gw_scene_context(s, &s->further);
-	gw_sampled_sources sources = sources_of(lighting);
-	sources.use_hits = true;
-	sources.kept = lighting->plan.emitters ? &s->sampled : NULL;
-	sources.moment = moment_of(s, &s->records.first_moment);
-	sources.kept_moment = &s->sampled_moment;
-	gw_status status = open_to_sky(lighting, error);
-	if (status == GW_OK && s->further.count > 0 && sources.kept &&
-		s->sampled.handle != VK_NULL_HANDLE)
-		status = gw_ray_gather_sample_further(&further, &s->further_rays, &sources, error);
-	gw_scene_forget_further(s);
-	GW_TRY(status);
-	return gw_ray_gather_sampled(&on, &s->rays, &sources, &s->records.first, error);
-}
-
-/* Buffers see the sky and large emitters; small emitters, the map of the sky and portals are
- * sampled. */
-static gw_status first_by_buffers(gw_lighting *lighting, gw_error *error)
-{
-	gw_scene *s = lighting->scene;
-	const gw_record_context on = gw_scene_context(s, &s->records);
-	bool large = lighting->plan.emitters && lighting->emitters.area_share >= GW_SAMPLED_SHARE;
-	gw_sampled_sources sources = sources_of(lighting);
-	if (large)
-		sources.samples = 0;
-	GW_TRY(open_to_sky(lighting, error));
-	gw_ray_gather hits = s->buffers.hits; /* portals are sampled alike, whatever the rays are */
-	hits.through = s->rays.through;
-	GW_TRY(gw_ray_gather_sampled(&on, &hits, &sources, &s->records.first, error));
-	if (!large)
-		return GW_OK;
-	GW_TRY(gw_micro_buffers_bounce(&on, &s->buffers, &s->octree.facet_emission, error));
-	return gw_light_add(&s->passes, &s->records.gathered, &s->records.first, s->records.count,
-						error);
-}
-
-static float largest_emission(const gw_surfels *surfels)
-{
-	float largest = 0.0f;
-	for (size_t i = 0; i < 3 * surfels->count; i++)
-		largest = fmaxf(largest, surfels->emission[i]);
-	return largest;
-}
-
-static gw_status add_gathered(gw_scene *s, gw_error *error)
-{
-	return gw_light_add(&s->passes, &s->records.gathered, &s->records.first, s->records.count,
-						error);
-}
-
-gw_status gw_lighting_sample_small(gw_lighting *lighting, bool *large, gw_error *error)
-{
-	const float black[3] = { 0 };
-	gw_scene *s = lighting->scene;
-	const gw_record_context on = gw_scene_context(s, &s->records);
-	*large = lighting->plan.emitters && lighting->emitters.area_share >= GW_SAMPLED_SHARE;
-	const gw_sampled_sources sources = { .emitters = &lighting->emitters,
-										 .samples = *large ? 0 : s->options.light_samples,
-										 .sky = black,
-										 .map = &lighting->map,
-										 .map_samples = s->options.light_samples,
-										 .looked = true,
-										 .seed = (uint32_t)s->options.seed };
-	return gw_ray_gather_sampled(&on, &s->rays, &sources, &s->records.first, error);
-}
-
-/* Cones see the sky and large emitters; small emitters and the map of the sky are sampled. */
-static gw_status first_by_cones(gw_lighting *lighting, gw_error *error)
-{
-	const float black[3] = { 0 };
-	gw_scene *s = lighting->scene;
-	const gw_record_context on = gw_scene_context(s, &s->records);
-	const gw_plan *plan = &lighting->plan;
-	bool in_voxels;
-	GW_TRY(gw_lighting_sample_small(lighting, &in_voxels, error));
-	const float *sky = plan->sky_radiance;
-	bool seen = plan->sky && (sky[0] > 0.0f || sky[1] > 0.0f || sky[2] > 0.0f);
-	if (!in_voxels && !seen)
-		return GW_OK;
-	const gw_facet_radiance radiance = {
-		.facets = in_voxels ? &s->octree.facet_emission : &lighting->facet_radiance,
-		.largest = in_voxels ? largest_emission(&s->surfels) : 1.0f
-	};
-	GW_TRY(gw_cones_apart_bounce(&on, &s->cones, radiance, seen ? sky : black, &s->records.gathered,
-								 error));
-	return add_gathered(s, error);
-}
-
-/* The map serves all rounds. */
-static gw_status make_map(gw_lighting *lighting, gw_error *error)
-{
-	gw_scene *s = lighting->scene;
-	if (!lighting->plan.map || lighting->map_made)
-		return GW_OK;
-	gw_status status = gw_sky_map_make(s->gpu, lighting->plan.map, &lighting->map, error);
-	lighting->map_made = status == GW_OK;
-	if (lighting->whole)
-		return status;
-	gw_report_count(s->report, "map_pixels_repaired", lighting->map.repaired,
-					"pixel{|s} of the sky's map that {is|are} negative or no number: taken as 0");
-	gw_report_count(
-		s->report, "map_pixels_infinite", lighting->map.infinite,
-		"pixel{|s} of the sky's map that {is|are} infinite or over 1e12: taken as 65504 or 1e12");
-	return status;
-}
-
-/* What records see through gaps, which are closed if that is asked for. */
-static gw_status see_gaps(gw_lighting *lighting, gw_error *error)
-{
-	gw_scene *s = lighting->scene;
-	const gw_record_context on = gw_scene_context(s, &s->records);
-	const float fill[3] = { s->options.gap_radiance, s->options.gap_radiance,
-							s->options.gap_radiance };
-	const gw_gap_task task = { .on = &on,
-							   .rays = &s->rays,
-							   .space = &s->space,
-							   .sky = lighting->plan.sky_radiance,
-							   .map = &lighting->map,
-							   .threads = s->options.threads };
-	free(lighting->gap);
-	lighting->gap = NULL;
-	if (!gw_scanned_space_known(&s->space))
-		return GW_OK;
-	GW_TRY(gw_gap_light_find(&task, &lighting->gap, error));
-	if (s->options.gaps == GW_GAPS_OPEN)
-		return GW_OK;
-	return gw_gap_light_close(&on, lighting->gap, s->options.gaps == GW_GAPS_BLACK ? fill : NULL,
-							  !lighting->plan.emitters, &s->records.first, error);
-}
-
-/* After records gathered from surfaces. */
-static gw_status fill_gaps(gw_lighting *lighting, gw_error *error)
-{
-	gw_scene *s = lighting->scene;
-	const gw_record_context on = gw_scene_context(s, &s->records);
-	return lighting->gap && s->options.gaps == GW_GAPS_MEAN
-			   ? gw_gap_light_fill(&on, lighting->gap, &s->records.gathered, error)
-			   : GW_OK;
-}
-
-/* Does every light that has power shine from without? The octree has several compartments. */
-static bool all_shine_outside(const gw_lighting *lighting)
-{
-	const gw_scene *s = lighting->scene;
-	bool any = false;
-	for (size_t i = 0; i < lighting->light_count; i++) {
-		const gw_light *light = &lighting->lights[i];
-		bool sky = light->type == GW_LIGHT_ENVIRONMENT;
-		if (!(sky ? gw_luminance(light->radiance) > 0.0 : gw_light_shines(light)))
-			continue;
-		const gw_lamp lamp = gw_lamp_of(light, &s->octree, &s->surfels, &s->options);
-		any = true;
-		if (!sky && !gw_shut_out_is_outside(&s->octree, &lamp.push))
-			return false;
-	}
-	return any && !lighting->plan.emitters;
-}
-
-/* Counts points that look into a closed space. */
-static size_t count_shut_in(const gw_scene *scene)
-{
-	const gw_surfels *s = &scene->surfels;
-	uint32_t outside = gw_compartment_outside(&scene->octree);
-	size_t count = 0;
-	for (size_t i = 0; i < s->point_count; i++) {
-		uint32_t surfel = s->surfel_of_point[i];
-		bool within = false;
-		for (int back = 0; back < 2 && surfel != UINT32_MAX; back++)
-			within |= gw_compartments_apart(
-				outside, gw_compartment_of_surfel(&scene->octree, surfel, back == 1));
-		count += within;
-	}
-	return count;
-}
-
-/* A room with its doors shut under the sun is black, or lit on the outside of its walls. */
-static void report_shut_in(const gw_lighting *lighting)
-{
-	gw_scene *s = lighting->scene;
-	bool shut = gw_compartments_several(&s->octree) && all_shine_outside(lighting);
-	gw_report_count(
-		s->report, "shut_in", shut ? count_shut_in(s) : 0,
-		"of the points {closes|close} off a space while all lights are outside of it: nothing of "
-		"them gets in, and what is lit are its outer sides; a light inside shows the space");
-}
-
-gw_status gw_lighting_gather_first(gw_lighting *lighting, gw_error *error)
-{
-	gw_scene *s = lighting->scene;
-	uint64_t slots = 2 * (uint64_t)s->octree.leaf_count;
-	GW_TRY(darken(lighting, GW_BUFFER_TEXEL, slots, "facet radiance", &lighting->facet_radiance,
-				  error));
-	GW_TRY(gw_scene_find_compartments(s, error));
-	if (!lighting->whole)
-		report_shut_in(lighting);
-	gw_emitters_destroy(s->gpu, &lighting->emitters);
-	lighting->emitters.radiance = &s->octree.facet_emission;
-	if (lighting->plan.emitters)
-		GW_TRY(gw_emitters_make(s->gpu, &s->octree, &s->octree.facet_emission, true,
-								&lighting->emitters, error));
-	GW_TRY(make_map(lighting, error));
-	s->report->directional = gw_scene_keeps_moments(s);
-	if (s->report->directional)
-		GW_TRY(gw_records_make_moments(s->gpu, &s->records, error));
-	else
-		gw_records_drop_moments(s->gpu, &s->records);
-	gw_method method = s->options.method;
-	GW_TRY(gw_method_keeps_hits(method)  ? first_by_rays(lighting, error)
-		   : method == GW_METHOD_CONES   ? first_by_cones(lighting, error)
-		   : method == GW_METHOD_BUFFERS ? first_by_buffers(lighting, error)
-										 : gw_volume_light_first(lighting, error));
-	return see_gaps(lighting, error);
-}
-
-/* ----------------------------------------------------------------------------------- bounces */
-
-/* By hits that are kept, of rays or buffers. */
-static gw_status gather_by_hits(void *self, const gw_buffer *facet_radiance, float largest,
-								gw_error *error)
-{
-	gw_scene *s = ((gw_lighting *)self)->scene;
-	const gw_record_context on = gw_scene_context(s, &s->records);
-	(void)largest;
-	if (s->options.method == GW_METHOD_BUFFERS)
-		return gw_micro_buffers_bounce(&on, &s->buffers, facet_radiance, error);
-	GW_TRY(gw_ray_gather_bounce(&s->passes, &s->rays, facet_radiance, &s->records, error));
-	return fill_gaps(self, error);
-}
-
-/* Parts are sampled by the radiance of the whole, so it is copied. */
-static gw_status keep_patches(gw_lighting *lighting, const gw_buffer *facet_radiance,
-							  gw_error *error)
-{
-	gw_scene *s = lighting->scene;
-	uint64_t slots = 2 * (uint64_t)s->octree.leaf_count;
-	GW_TRY(darken(lighting, GW_BUFFER_TEXEL, slots, "radiance of patches",
-				  &lighting->patch_radiance, error));
-	GW_TRY(gw_light_add(&s->passes, facet_radiance, &lighting->patch_radiance, slots, error));
-	lighting->patches.radiance = &lighting->patch_radiance;
-	return GW_OK;
-}
-
-/* Samples lit facets, half as often as what emits: patches carry less of the light, and of all that
- * is done for other lamps this takes the longest. Rays that hit them count as well; of buffers a
- * texel may show more than a patch. part is NULL, or what is gathered of their radiance. */
-static gw_status sample_patches(gw_scene *s, const gw_emitters *patches, const gw_buffer *part,
-								gw_error *error)
-{
-	const gw_record_context on = gw_scene_context(s, &s->records);
-	const float black[3] = { 0 };
-	bool rays = s->options.method == GW_METHOD_RAYS;
-	const gw_sampled_sources sources = { .emitters = patches,
-										 .part = part,
-										 .samples = (s->options.light_samples + 1) / 2,
-										 .use_hits = rays,
-										 .sky = black,
-										 .looked = true,
-										 .seed = (uint32_t)s->options.seed ^ PATCH_SEED,
-										 .moment = moment_of(s, &s->records.indirect_moment) };
-	return gw_ray_gather_sampled(&on, rays ? &s->rays : &s->buffers.hits, &sources,
-								 &s->records.gathered, error);
-}
-
-static gw_status sample_and_fill(gw_lighting *lighting, const gw_emitters *patches,
-								 const gw_buffer *part, gw_error *error)
-{
-	GW_TRY(sample_patches(lighting->scene, patches, part, error));
-	return fill_gaps(lighting, error);
-}
-
-/* What lamps and emitters light is sampled like an emitter: rays would miss small bright patches.
- */
-static gw_status gather_patches(void *self, const gw_buffer *facet_radiance, float largest,
-								gw_error *error)
-{
-	gw_lighting *lighting = self;
-	gw_scene *s = lighting->scene;
-	if (lighting->whole)
-		return lighting->whole->patches_sampled
-				   ? sample_and_fill(lighting, &lighting->whole->patches, facet_radiance, error)
-				   : gather_by_hits(self, facet_radiance, largest, error);
-	gw_emitters *patches = &lighting->patches;
-	gw_emitters_destroy(s->gpu, patches);
-	GW_TRY(gw_emitters_make(s->gpu, &s->octree, facet_radiance, false, patches, error));
-	lighting->patches_sampled = gw_emitters_are_small(patches);
-	gw_status status = lighting->patches_sampled
-						   ? sample_and_fill(lighting, patches, NULL, error)
-						   : gather_by_hits(self, facet_radiance, largest, error);
-	if (status == GW_OK && lighting->kept && lighting->patches_sampled)
-		status = keep_patches(lighting, facet_radiance, error);
-	else
-		gw_emitters_destroy(s->gpu, patches);
-	return status;
-}
-
-static gw_status gather_by_cones(void *self, const gw_buffer *facet_radiance, float largest,
-								 gw_error *error)
-{
-	gw_scene *s = ((gw_lighting *)self)->scene;
-	const float black[3] = { 0 };
-	const gw_record_context on = gw_scene_context(s, &s->records);
-	const gw_facet_radiance radiance = { .facets = facet_radiance, .largest = largest };
-	return gw_cones_apart_bounce(&on, &s->cones, radiance, black, &s->records.gathered, error);
-}
-
-/* The guess at the surfels' light, as the mean over each facet. */
-static gw_status carry(const gw_lighting *lighting, gw_buffer *facets, gw_error *error)
-{
-	gw_scene *s = lighting->scene;
-	gw_buffer surfels = { 0 };
-	uint64_t bytes = 16 * (uint64_t)s->surfels.count;
-	GW_TRY(gw_buffer_create(s->gpu,
-							&(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
-													  32 * (uint64_t)s->octree.leaf_count,
-													  "carried light of facets" },
-							facets, error));
-	GW_TRY(
-		gw_buffer_create(s->gpu,
-						 &(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
-												   bytes, "carried irradiance" },
-						 &surfels, error));
-	gw_status status = gw_buffer_upload(s->gpu, &surfels, 0, lighting->carried, bytes, error);
-	if (status == GW_OK)
-		status = gw_average_facets(&s->passes, &s->octree, &surfels, facets, error);
-	gw_buffer_destroy(s->gpu, &surfels);
-	return status;
-}
-
-/* What reached the records and whose reflection was gathered, by hits, into *irradiance: all, but
- * for what came last. Where the first reflection was sampled, that has its moment already; where
- * the first bounce was a guess at all others, it is what came, and nothing is left. */
-static gw_status add_reflected(gw_lighting *lighting, bool first, bool last, gw_buffer *irradiance,
+gw_status gw_lighting_download(const gw_lighting *lighting, const gw_buffer *buffer, float **values,
 							   gw_error *error)
 {
-	gw_scene *s = lighting->scene;
-	gw_records *r = &s->records;
-	if (first)
-		GW_TRY(gw_light_add(&s->passes, &r->first, irradiance, r->count, error));
-	GW_TRY(gw_light_add(&s->passes, &r->indirect, irradiance, r->count, error));
-	return last ? GW_OK : gw_light_take(&s->passes, &r->gathered, irradiance, r->count, error);
-}
-
-/* The moment of all that was gathered of reflections. */
-static gw_status gather_moments(gw_lighting *lighting, uint32_t bounce_count, bool carried,
-								gw_error *error)
-{
-	gw_scene *s = lighting->scene;
-	const gw_record_context on = gw_scene_context(s, &s->records);
-	bool first = !(lighting->whole ? lighting->whole : lighting)->patches_sampled;
-	gw_buffer irradiance = { 0 };
-	if (bounce_count < 2)
-		return GW_OK;
-	GW_TRY(darken(lighting, GW_BUFFER_TEXEL, s->records.count, "reflected irradiance of records",
-				  &irradiance, error));
-	gw_status status =
-		add_reflected(lighting, first, carried && bounce_count == 2, &irradiance, error);
-	if (status == GW_OK)
-		status = gw_facets_shade(&on, &irradiance, &lighting->facet_direct, first ? 1.0f : 0.0f,
-								 &lighting->facet_radiance, error);
-	gw_buffer_destroy(s->gpu, &irradiance);
-	return status != GW_OK ? status
-						   : gw_ray_gather_moments(&on, &s->rays, &lighting->facet_radiance,
-												   &s->records.indirect_moment, error);
-}
-
-gw_status gw_lighting_bounce(gw_lighting *lighting, gw_error *error)
-{
-	gw_scene *s = lighting->scene;
-	gw_report *report = s->report;
-	const gw_trace_step steps[GW_METHOD_COUNT] = {
-		[GW_METHOD_RAYS] = { gather_by_hits, gather_patches, &s->rays, lighting },
-		[GW_METHOD_PROBES] = { gather_by_hits, gather_patches, &s->rays, lighting },
-		[GW_METHOD_BUFFERS] = { gather_by_hits, gather_patches, NULL, lighting },
-		[GW_METHOD_CONES] = { .gather = gather_by_cones, .self = lighting },
-		[GW_METHOD_VOLUME] = { .gather = gw_volume_light_gather,
-							   .gather_first = gw_volume_light_gather_first,
-							   .self = lighting },
-		[GW_METHOD_LPV] = { .gather = gw_volume_light_gather,
-							.gather_first = gw_volume_light_gather_first,
-							.self = lighting },
-	};
-	bool rays = gw_method_keeps_hits(s->options.method);
-	gw_bounces bounces;
-	gw_bounces_task task = { .on = gw_scene_context(s, &s->records),
-							 .facet_direct = &lighting->facet_direct,
-							 .facet_radiance = &lighting->facet_radiance,
-							 .step = steps[s->options.method],
-							 .limit = lighting->plan.bounces ? lighting->plan.limit : 1,
-							 .tolerance = s->options.tolerance,
-							 .no_bound = lighting->whole != NULL,
-							 .cancelled = gw_scene_stopped,
-							 .user = s };
-	gw_buffer carried = { 0 };
-	gw_status status = gw_buffer_fill(s->gpu, &s->records.indirect, 0, error);
-	if (status == GW_OK && gw_scene_keeps_moments(s))
-		status = gw_buffer_fill(s->gpu, &s->records.indirect_moment, 0, error);
-	if (status == GW_OK && rays && lighting->carried && task.limit == GW_BOUNCES_AUTO) {
-		status = carry(lighting, &carried, error);
-		task.carried = &carried;
-	}
-	if (status == GW_OK)
-		status = gw_bounces_run(&task, &bounces, error);
-	gw_buffer_destroy(s->gpu, &carried);
-	GW_TRY(status);
-	if (gw_scene_keeps_moments(s))
-		status = gather_moments(lighting, bounces.bounce_count, task.carried != NULL, error);
-	if (status != GW_OK) {
-		free(bounces.bounce);
-		return status;
-	}
-	if (lighting->whole) {
-		free(bounces.bounce);
-		return GW_OK;
-	}
-	free(report->bounce);
-	report->bounce = bounces.bounce;
-	report->bounce_count = bounces.bounce_count;
-	report->remaining = bounces.remaining;
-	return GW_OK;
-}
-
-/* --------------------------------------------------------------------------------- read back */
-
-/* What is downloaded of the records: 16 floats of each. */
-typedef struct record_light {
-	float *irradiance, *normal, *moment;
-} record_light;
-
-/* By each surfel's own normal. */
-static gw_status read_directed(const gw_scene *s, const gw_buffer *moment,
-							   const record_light *records, float *surfels, gw_error *error)
-{
-	uint64_t count = s->records.count;
-	const gw_directed_light light = { .irradiance = records->irradiance,
-									  .moment = records->moment,
-									  .record_normal = records->normal,
-									  .surfel_normal = s->surfels.normal,
-									  .count = s->records.count };
-	GW_TRY(gw_buffer_download(s->gpu, moment, 0, records->moment, 32 * count, error));
-	GW_TRY(gw_buffer_download(s->gpu, &s->records.normal, 0, records->normal, 16 * count, error));
-	return gw_read_back_apply_directed(&s->read_back, &light, s->options.threads, surfels, error);
-}
-
-/* Interpolates an irradiance of the records, which has that moment, at every surfel. */
-static gw_status read_back(const gw_scene *s, const gw_buffer *irradiance, const gw_buffer *moment,
-						   const record_light *records, float **surfels, gw_error *error)
-{
-	GW_TRY(gw_buffer_download(s->gpu, irradiance, 0, records->irradiance,
-							  16 * (uint64_t)s->records.count, error));
-	if (!*surfels)
-		*surfels = gw_allocate_array(s->surfels.count, 4 * sizeof **surfels);
-	if (!*surfels)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the light of %zu surfels",
-					   s->surfels.count);
-	if (gw_scene_keeps_moments(s))
-		return read_directed(s, moment, records, *surfels, error);
-	gw_read_back_apply(&s->read_back, records->irradiance, s->options.threads, *surfels);
-	return GW_OK;
-}
-
-gw_status gw_lighting_read_back(gw_lighting *lighting, gw_error *error)
-{
 	const gw_scene *s = lighting->scene;
-	const gw_records *r = &s->records;
-	float *values =
-		gw_allocate_array(r->count, (gw_scene_keeps_moments(s) ? 16 : 4) * sizeof *values);
-	if (!values)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %u records", r->count);
-	const record_light records = { values, values + 4 * (size_t)r->count,
-								   values + 8 * (size_t)r->count };
-	gw_status status =
-		read_back(s, &r->first, &r->first_moment, &records, &lighting->surfel_first, error);
-	if (status == GW_OK)
-		status = read_back(s, &r->indirect, &r->indirect_moment, &records,
-						   &lighting->surfel_indirect, error);
-	if (status == GW_OK && gw_method_has_cells(s->options.method))
-		status = gw_volume_light_read_back(lighting, error);
-	free(values);
-	return status;
-}
-
-gw_status gw_lighting_run(gw_lighting *lighting, gw_error *error)
-{
-	GW_TRY(gw_lighting_direct(lighting, error));
-	if (lighting->plan.records)
-		GW_TRY(gw_lighting_gather_first(lighting, error));
-	if (lighting->plan.records)
-		GW_TRY(gw_lighting_bounce(lighting, error));
-	if (lighting->plan.records)
-		GW_TRY(gw_lighting_read_back(lighting, error));
-	return GW_OK;
-}
-
-static gw_status download(const gw_lighting *lighting, const gw_buffer *buffer, float **direct,
-						  gw_error *error)
-{
-	const gw_scene *s = lighting->scene;
-	*direct = gw_allocate_array(s->surfels.count, 4 * sizeof **direct);
-	if (!*direct)
+	*values = gw_allocate_array(s->surfels.count, 4 * sizeof **values);
+	if (!*values)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the light of %zu surfels",
 					   s->surfels.count);
 	gw_status status =
-		gw_buffer_download(s->gpu, buffer, 0, *direct, 16 * (uint64_t)s->surfels.count, error);
+		gw_buffer_download(s->gpu, buffer, 0, *values, 16 * (uint64_t)s->surfels.count, error);
 	if (status != GW_OK) {
-		free(*direct);
-		*direct = NULL;
+		free(*values);
+		*values = NULL;
 	}
 	return status;
 }
@@ -705,7 +146,7 @@ gw_status gw_lighting_download_direct(const gw_lighting *lighting, float **direc
 	*direct = NULL;
 	if (lighting->surfel_direct.handle == VK_NULL_HANDLE)
 		return GW_OK;
-	return download(lighting, &lighting->surfel_direct, direct, error);
+	return gw_lighting_download(lighting, &lighting->surfel_direct, direct, error);
 }
 
 /* What a surfel gets from lamps and from all around, in luminance. */
@@ -746,99 +187,6 @@ uint32_t gw_lighting_shown(const gw_lighting *lighting, uint32_t surfel)
 {
 	const gw_lighting *all = lighting->whole ? lighting->whole : lighting;
 	return all->shown && surfel != UINT32_MAX ? all->shown[surfel] : surfel;
-}
-
-/* Rays that light comes along to what an estimate is held against. */
-static uint32_t rays_of(const gw_bake_options *o)
-{
-	return gw_method_keeps_hits(o->method) ? o->rays : o->light_samples;
-}
-
-gw_status gw_lighting_foresee(gw_lighting *lighting, gw_error *error)
-{
-	gw_scene *s = lighting->scene;
-	const gw_check_point_task task = { .passes = &s->passes,
-									   .octree = &s->octree,
-									   .surfels = &s->surfels,
-									   .emitters = &lighting->emitters,
-									   .rays = gw_estimate_rays(rays_of(&s->options)),
-									   .seed = (uint32_t)s->options.seed };
-	if (lighting->plan.records)
-		GW_TRY(gw_scene_find_compartments(s, error));
-	return s->check_points.count > 0
-			   ? GW_OK
-			   : gw_estimate_foresee(
-					 &task, gw_estimate_points(s->options.estimate_points, s->records.count),
-					 &s->check_points, error);
-}
-
-static gw_status find_gap_error(gw_lighting *lighting, const gw_estimate_task *estimate,
-								gw_error *error)
-{
-	gw_scene *s = lighting->scene;
-	const gw_gap_error_task task = { .on = gw_scene_context(s, &s->records),
-									 .surfels = &s->surfels,
-									 .asked = s->region.asked,
-									 .space = &s->space,
-									 .read_back = &s->read_back,
-									 .gap = lighting->gap,
-									 .direct = estimate->direct,
-									 .first = lighting->surfel_first,
-									 .indirect = lighting->surfel_indirect,
-									 .lights = lighting->lights,
-									 .light_count = estimate->light_count,
-									 .limit = estimate->limit,
-									 .options = &s->options };
-	return gw_gap_error(&task, &s->report->gaps, &s->report->error, error);
-}
-
-gw_status gw_lighting_estimate(gw_lighting *lighting, gw_error *error)
-{
-	gw_scene *s = lighting->scene;
-	const gw_bake_options *o = &s->options;
-	float *direct = NULL, *turned = NULL;
-	gw_status status = gw_lighting_download_direct(lighting, &direct, error);
-	if (status == GW_OK && lighting->surfel_turned.handle != VK_NULL_HANDLE)
-		status = download(lighting, &lighting->surfel_turned, &turned, error);
-	if (status == GW_OK) {
-		const gw_estimate_task task = {
-			.passes = &s->passes,
-			.octree = &s->octree,
-			.surfels = &s->surfels,
-			.records = lighting->plan.records ? &s->records : NULL,
-			.read_back = &s->read_back,
-			.rays_of_records = &s->rays,
-			.emitters = &lighting->emitters,
-			.facet_direct = &lighting->facet_direct,
-			.sky = lighting->plan.sky_radiance,
-			.map = &lighting->map,
-			.portals = &s->portals,
-			.bounces = lighting->plan.bounces,
-			.direct = direct,
-			.turned = turned,
-			.first = lighting->surfel_first,
-			.indirect = lighting->surfel_indirect,
-			.rays = rays_of(o),
-			.light_samples = o->light_samples,
-			.points = gw_estimate_points(o->estimate_points, s->records.count),
-			.seed = (uint32_t)o->seed,
-			.threads = o->threads,
-			.lights = lighting->lights,
-			.light_count = lighting->plan.lamps ? lighting->light_count : 0,
-			.options = o,
-			.limit = lighting->plan.bounces ? lighting->plan.limit : 1,
-			.asked = s->region.asked,
-			.seen = s->space.scanners > 0,
-			.closed = closed_space(s),
-			.hits = &s->check_points
-		};
-		status = gw_estimate_error(&task, &s->report->error, error);
-		if (status == GW_OK && lighting->gap)
-			status = find_gap_error(lighting, &task, error);
-	}
-	free(turned);
-	free(direct);
-	return status;
 }
 
 void gw_lighting_drop_gathered(gw_lighting *lighting)

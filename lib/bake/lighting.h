@@ -3,11 +3,11 @@
  *
  * The steps, in this order:
  *
- *   plan -> direct light -> first gather -> bounces -> read back
+ *   plan -> direct light -> first gather -> bounces -> read back -> error
  *
  * They may be run again on the same scene with other lights: each step begins with dark buffers.
- * Steps after the direct light need the scene's records and are to be left out unless
- * plan.records.
+ * Steps after the direct light (lighting_steps.h, lighting_error.h) need the scene's records and
+ * are to be left out unless plan.records.
  */
 #ifndef LIGHTING_H
 #define LIGHTING_H
@@ -57,41 +57,22 @@ gw_status gw_lighting_list_lights(gw_lighting *lighting, gw_error *error);
 /* Light of lamps at every surfel and facet. */
 gw_status gw_lighting_direct(gw_lighting *lighting, gw_error *error);
 
-/* Light that reaches the records straight from emitters and sky. */
-gw_status gw_lighting_gather_first(gw_lighting *lighting, gw_error *error);
-
-/* What is reflected, until it does not matter; fills the report's bounces. */
-gw_status gw_lighting_bounce(gw_lighting *lighting, gw_error *error);
-
-/* The records' light at every surfel: surfel_first and surfel_indirect. */
-gw_status gw_lighting_read_back(gw_lighting *lighting, gw_error *error);
-
 /* Of surface that has surfels of both sides: that of the brighter side is shown. Of a part of a
  * lighting what is shown is as of the whole. */
 gw_status gw_lighting_choose_sides(gw_lighting *lighting, gw_error *error);
 uint32_t gw_lighting_shown(const gw_lighting *lighting, uint32_t surfel);
 
-/* All of these steps after the plan. */
-gw_status gw_lighting_run(gw_lighting *lighting, gw_error *error);
+/* A buffer of `count` dark vec4, made when there is none yet. */
+gw_status gw_lighting_darken(gw_lighting *lighting, gw_buffer_kind kind, uint64_t count,
+							 const char *name, gw_buffer *buffer, gw_error *error);
 
-/* How wrong the light is, into the report. */
-gw_status gw_lighting_estimate(gw_lighting *lighting, gw_error *error);
-
-/* Where no error was estimated: finds what points see that an estimate of another lighting may ask
- * for. */
-gw_status gw_lighting_foresee(gw_lighting *lighting, gw_error *error);
+/* What is at a buffer, 4 floats a surfel; on success *values is the caller's. */
+gw_status gw_lighting_download(const gw_lighting *lighting, const gw_buffer *buffer, float **values,
+							   gw_error *error);
 
 /* The lamps' light at every surfel; on success *direct is the caller's, 4 floats a surfel, or NULL
  * where no lamp shines. */
 gw_status gw_lighting_download_direct(const gw_lighting *lighting, float **direct, gw_error *error);
-
-/* Emitters that cover less of the surface than this are sampled; more are light of the voxels, or
- * of the cells of a volume. */
-#define GW_SAMPLED_SHARE 0.1
-
-/* Where cones or a volume gather: what they would miss is sampled from the records, into their
- * first light: small emitters and the map of the sky. *large: emitters are left to them. */
-gw_status gw_lighting_sample_small(gw_lighting *lighting, bool *large, gw_error *error);
 
 /* Forget the map of the sky, when another is to take its place; what was gathered; all light.
  * Before the scene drops the records, or the octree. */

@@ -1,60 +1,20 @@
 /*
- * probes.c - see probes.h. Probes are records of another kind: placed in free space, traced to all
- * sides, with the radiance that the points send out in the end.
+ * probes.c - see probes.h. What probes see is the radiance that the points send out in the end.
  */
 #include "bake/probes.h"
 
+#include "bake/scene_probes.h"
+#include "bake/scene_records.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "light/direct_light.h"
-#include "light/octahedral.h"
 #include "light/probe_cells.h"
-#include "light/probe_places.h"
 #include "light/probe_trace.h"
-#include "octree/compartments.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* Surfels that balls of free space are grown from, and balls that are looked from, at most. */
-#define SEEDS 8192u
-#define CANDIDATES 512u
-
-/* Spots on the surface that probes are chosen by, and those that are looked at in the end. */
-#define CHOSEN_BY 2048u
-#define LOOKED_AT 16384u
-
-/* Rays start at surface within so many leaf cells of a place in its leaf: nearer than that a place
- * is as good as in the surface. */
-#define LEAST_CELLS 2.0f
-
 #define CHUNK 8192u /* surfels that a thread takes at a time */
-
-/* Where in its step the first spot lies, for the two choices. */
-#define SHIFT_CHOSEN 0.5
-#define SHIFT_LOOKED 0.19
-
-gw_probes_options gw_probes_options_default(void)
-{
-	return (gw_probes_options){ .size = 64, .moves = 100, .seed = 1 };
-}
-
-gw_status gw_probes_options_check(const gw_probes_options *o, gw_error *error)
-{
-	if (o->size < GW_PROBE_SIZE_LEAST || o->size > GW_PROBE_SIZE_MOST ||
-		(o->size & (o->size - 1)) != 0)
-		return gw_fail(error, GW_ERROR_USAGE,
-					   "maps of probes are %u texels wide; give a power of two from %u to %u",
-					   o->size, GW_PROBE_SIZE_LEAST, GW_PROBE_SIZE_MOST);
-	if (!isfinite(o->margin) || o->margin < 0.0f)
-		return gw_fail(error, GW_ERROR_USAGE,
-					   "the margin of probes is %g; give metres of at least 0", (double)o->margin);
-	if (o->grid > GW_PROBE_GRID_MOST)
-		return gw_fail(error, GW_ERROR_USAGE,
-					   "a grid of probes has %u a side; give at most %u, or 0 for none", o->grid,
-					   GW_PROBE_GRID_MOST);
-	return GW_OK;
-}
 
 /* ------------------------------------------------------------------------- what is sent out */
 
@@ -131,260 +91,6 @@ static gw_status find_radiance(gw_lighting *lighting, gw_buffer *facets, gw_erro
 	return status;
 }
 
-/* ------------------------------------------------------------------------------------ places */
-
-/* All that lasts as long as probes are placed. */
-typedef struct placing {
-	gw_scene *scene;
-	const gw_probes_options *options;
-	gw_neighbours *search;
-	gw_free_ball *ball;
-	size_t ball_count;
-	gw_sight_places chosen_by, looked_at;
-	gw_free_ball_task room;
-	gw_probe_places places;
-	bool in_grid; /* they are wanted in grid coordinates, to light records by */
-} placing;
-
-/* Where nothing encloses the free space, probes stand outside the bounds by at most this share of
- * the longest side. */
-#define OPEN_MARGIN 0.25f
-
-static gw_status open_room(placing *p, gw_error *error)
-{
-	gw_scene *scene = p->scene;
-	const gw_surfels *s = &scene->surfels;
-	const gw_surfels_options how = gw_scene_surfels_options(scene, NULL, 0);
-	const float margin = (float)ldexp((double)p->options->margin, scene->units.length);
-	GW_TRY(gw_neighbours_open(s, &how, &p->search, error));
-	p->room = (gw_free_ball_task){ .surfels = s,
-								   .search = p->search,
-								   .least = LEAST_CELLS * scene->octree.leaf_size,
-								   .seeds = SEEDS,
-								   .most = CANDIDATES,
-								   .threads = scene->options.threads };
-	for (int k = 0; k < 3; k++) {
-		p->room.minimum[k] = s->minimum[k] - margin;
-		p->room.maximum[k] = s->maximum[k] + margin;
-	}
-	return GW_OK;
-}
-
-/* Lets places lie outside of the bounds. */
-static void widen(placing *p)
-{
-	const gw_surfels *s = &p->scene->surfels;
-	float longest = 0.0f;
-	for (int k = 0; k < 3; k++)
-		longest = fmaxf(longest, s->maximum[k] - s->minimum[k]);
-	for (int k = 0; k < 3; k++) {
-		p->room.minimum[k] -= OPEN_MARGIN * longest;
-		p->room.maximum[k] += OPEN_MARGIN * longest;
-	}
-}
-
-static gw_status find_balls(placing *p, gw_error *error)
-{
-	gw_scene *scene = p->scene;
-	GW_TRY(gw_free_balls_find(&p->room, &p->ball, &p->ball_count, error));
-	if (p->ball_count == 0 && p->in_grid) {
-		widen(p);
-		GW_TRY(gw_free_balls_find(&p->room, &p->ball, &p->ball_count, error));
-	}
-	if (p->ball_count > 0)
-		return GW_OK;
-	return gw_fail(
-		error, GW_ERROR_DATA,
-		"there is no free space for a probe: in front of no surface there is room for "
-		"%.3g m to all sides within the bounds of the points; a margin lets probes stand "
-		"outside of them",
-		ldexp((double)p->room.least, -scene->units.length));
-}
-
-static gw_status choose(placing *p, gw_error *error)
-{
-	gw_scene *scene = p->scene;
-	gw_probe_task task = { .sight = { &scene->passes, &scene->octree, &p->chosen_by },
-						   .search = p->search,
-						   .candidate = p->ball,
-						   .candidate_count = p->ball_count,
-						   .least = p->room.least,
-						   .most = p->options->count,
-						   .moves = p->options->moves,
-						   .seed = (uint32_t)p->options->seed,
-						   .cancelled = gw_scene_stopped,
-						   .user = scene };
-	memcpy(task.minimum, p->room.minimum, sizeof task.minimum);
-	memcpy(task.maximum, p->room.maximum, sizeof task.maximum);
-	GW_TRY(gw_sight_places_make(scene->gpu, &scene->octree, CHOSEN_BY, SHIFT_CHOSEN, &p->chosen_by,
-								error));
-	/* In the largest free ball a probe is as far from everything as it can be. */
-	p->chosen_by.reach = p->ball[0].radius / scene->octree.leaf_size;
-	GW_TRY(gw_probe_places_choose(&task, &p->places, error));
-	if (p->places.count > 0)
-		return GW_OK;
-	return gw_fail(
-		error, GW_ERROR_DATA,
-		"there is no free space for a probe: from none of %zu places any surface is seen "
-		"from in front; look at the normals",
-		p->ball_count);
-}
-
-/* Middles of the cells of a regular grid over the bounds, but for those at the surface or behind
- * it. */
-static gw_status choose_grid(placing *p, gw_error *error)
-{
-	const gw_octree *o = &p->scene->octree;
-	const uint32_t side = p->options->grid;
-	p->ball_count = (size_t)side * side * side;
-	p->places.place = gw_allocate_array(p->ball_count, 4 * sizeof *p->places.place);
-	if (!p->places.place)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory for a grid of %zu probes", p->ball_count);
-	for (size_t i = 0; i < p->ball_count; i++) {
-		const size_t cell[3] = { i % side, i / side % side, i / side / side };
-		float *to = p->places.place + 4 * (size_t)p->places.count, at[3];
-		for (int k = 0; k < 3; k++) {
-			at[k] = p->room.minimum[k] + ((float)cell[k] + 0.5f) / (float)side *
-											 (p->room.maximum[k] - p->room.minimum[k]);
-			to[k] = (at[k] - o->cube_minimum[k]) / o->leaf_size;
-		}
-		to[3] = 0.0f;
-		p->places.count += gw_free_distance(p->search, at) >= p->room.least &&
-						   !gw_free_is_behind(p->room.surfels, p->search, at);
-	}
-	p->places.first = p->places.count;
-	if (p->places.count > 0)
-		return GW_OK;
-	return gw_fail(error, GW_ERROR_DATA,
-				   "of %zu probes in a regular grid none stands in free space, %.3g m from all "
-				   "surface; ask for a finer one, or for a margin",
-				   p->ball_count, ldexp((double)p->room.least, -p->scene->units.length));
-}
-
-/* The share of the surface that is seen, at spots that nobody chose by. */
-static gw_status measure(placing *p, double *seen, gw_error *error)
-{
-	gw_scene *scene = p->scene;
-	const gw_sight sight = { &scene->passes, &scene->octree, &p->looked_at };
-	GW_TRY(gw_sight_places_make(scene->gpu, &scene->octree, LOOKED_AT, SHIFT_LOOKED, &p->looked_at,
-								error));
-	size_t width = p->looked_at.count;
-	float *value = gw_allocate_array(width, p->places.count * sizeof *value);
-	if (!value)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory for what %u probes see", p->places.count);
-	gw_status status = gw_sight_look(&sight, p->places.place, p->places.count, value, error);
-	double area = 0.0;
-	for (size_t t = 0; t < width && status == GW_OK; t++) {
-		bool any = false;
-		for (size_t k = 0; k < p->places.count; k++)
-			any = any || value[k * width + t] > 0.0f;
-		area += any ? (double)p->looked_at.area[t] : 0.0;
-	}
-	*seen = p->looked_at.total > 0.0 ? area / p->looked_at.total : 0.0;
-	free(value);
-	return status;
-}
-
-/* The maps have to fit into what the scene may use, or else into what is free. */
-static gw_status check_room(const gw_scene *scene, size_t count, uint32_t size, gw_error *error)
-{
-	const uint64_t texels = (uint64_t)size * size, floats = 7 * texels + 2 * (texels / 3);
-	const uint64_t bytes = count * floats * sizeof(float);
-	const uint64_t room = scene->options.memory > 0 ? scene->options.memory : gw_available_memory();
-	if (room == 0 || bytes <= room)
-		return GW_OK;
-	return gw_fail(error, GW_ERROR_MEMORY,
-				   "the maps of %zu probes of %u x %u texels take %llu bytes, and %llu are "
-				   "allowed; ask for fewer probes or smaller maps",
-				   count, size, size, (unsigned long long)bytes, (unsigned long long)room);
-}
-
-static gw_status allocate(size_t count, uint32_t size, gw_probes *probes, gw_error *error)
-{
-	const size_t texels = (size_t)size * size, mips = (size_t)gw_octahedral_mip_texels(size);
-	probes->count = count;
-	probes->size = size;
-	probes->probe = gw_allocate_zeros(count, sizeof *probes->probe);
-	probes->radiance = gw_allocate_zeros(count, 3 * texels * sizeof *probes->radiance);
-	probes->normal = gw_allocate_zeros(count, 3 * texels * sizeof *probes->normal);
-	probes->distance = gw_allocate_zeros(count, texels * sizeof *probes->distance);
-	probes->least = gw_allocate_zeros(count, mips * sizeof *probes->least);
-	probes->greatest = gw_allocate_zeros(count, mips * sizeof *probes->greatest);
-	return probes->probe && probes->radiance && probes->normal && probes->distance &&
-				   probes->least && probes->greatest
-			   ? GW_OK
-			   : gw_fail(error, GW_ERROR_MEMORY,
-						 "no memory for the maps of %zu probes of %u x %u texels; fewer probes or "
-						 "smaller maps take less",
-						 count, size, size);
-}
-
-/* A length of the scene in the metres that were given. */
-static double metres_of(const gw_scene *scene, double length)
-{
-	return ldexp(length, -scene->units.length);
-}
-
-/* The same of probes that stay in grid coordinates. */
-static void describe_in_grid(const placing *p, gw_probes *probes)
-{
-	const gw_octree *o = &p->scene->octree;
-	for (size_t i = 0; i < probes->count; i++)
-		for (size_t k = 0; k < 3; k++)
-			probes->probe[i].position[k] = (double)p->places.place[4 * i + k];
-	for (int k = 0; k < 3; k++) {
-		probes->minimum[k] = (double)((p->room.minimum[k] - o->cube_minimum[k]) / o->leaf_size);
-		probes->maximum[k] = (double)((p->room.maximum[k] - o->cube_minimum[k]) / o->leaf_size);
-	}
-}
-
-/* What is known of the probes before they are traced. */
-static void describe(const placing *p, gw_probes *probes)
-{
-	const gw_scene *scene = p->scene;
-	const gw_octree *o = &scene->octree;
-	probes->seeable = p->places.seeable;
-	probes->candidates = p->ball_count;
-	probes->first = p->places.first;
-	for (size_t i = 0; i < probes->count; i++) {
-		float place[3];
-		for (int k = 0; k < 3; k++) {
-			place[k] = o->cube_minimum[k] + p->places.place[4 * i + (size_t)k] * o->leaf_size;
-			probes->probe[i].position[k] =
-				metres_of(scene, scene->surfels.origin[k] + (double)place[k]);
-		}
-		probes->probe[i].radius =
-			(float)metres_of(scene, (double)gw_free_distance(p->search, place));
-	}
-	for (int k = 0; k < 3; k++) {
-		const double origin = scene->surfels.origin[k];
-		probes->minimum[k] = metres_of(scene, origin + (double)p->room.minimum[k]);
-		probes->maximum[k] = metres_of(scene, origin + (double)p->room.maximum[k]);
-	}
-}
-
-static gw_status place(placing *p, gw_probes *probes, gw_error *error)
-{
-	GW_TRY(open_room(p, error));
-	if (p->options->grid > 0) {
-		GW_TRY(choose_grid(p, error));
-	} else {
-		GW_TRY(find_balls(p, error));
-		GW_TRY(choose(p, error));
-	}
-	GW_TRY(check_room(p->scene, p->places.count, p->options->size, error));
-	GW_TRY(allocate(p->places.count, p->options->size, probes, error));
-	if (p->in_grid) {
-		describe_in_grid(p, probes);
-		return GW_OK;
-	}
-	describe(p, probes);
-	GW_TRY(measure(p, &probes->seen, error));
-	if (p->options->grid > 0)
-		probes->seeable = probes->seen;
-	return GW_OK;
-}
-
 /* ------------------------------------------------------------------------------- what they see */
 
 /* The sky's texels, where it has a map. */
@@ -428,79 +134,28 @@ static gw_status trace(gw_lighting *lighting, const float *place, uint64_t seed,
 	GW_TRY(find_radiance(lighting, &facets, error));
 	gw_status status = open_sky(lighting, &texel, &seen.sky, error);
 	if (status == GW_OK)
-		status = gw_probes_trace(&seen, place, metres_of(scene, (double)scene->octree.leaf_size),
-								 probes, error);
+		status = gw_probes_trace(
+			&seen, place, gw_scene_metres(scene, (double)scene->octree.leaf_size), probes, error);
 	gw_view_close(&texel);
 	gw_buffer_destroy(scene->gpu, &facets);
 	return status == GW_OK ? undo_light(scene, probes, error) : status;
-}
-
-static void end_placing(placing *p)
-{
-	gw_probe_places_clear(&p->places);
-	gw_sight_places_clear(p->scene->gpu, &p->chosen_by);
-	gw_sight_places_clear(p->scene->gpu, &p->looked_at);
-	gw_neighbours_close(p->search);
-	free(p->ball);
 }
 
 gw_status gw_lighting_probes(gw_lighting *lighting, const gw_probes_options *options,
 							 gw_probes *probes, gw_error *error)
 {
 	gw_scene *scene = lighting->scene;
-	placing p = { .scene = scene, .options = options };
+	gw_probe_placing p = { .scene = scene, .options = options };
 	if (scene->octree.leaf_count == 0)
 		return gw_fail(
 			error, GW_ERROR_USAGE,
 			"the scene has no octree, which probes are traced through; force that effect");
 	GW_TRY(gw_scene_find_compartments(scene, error));
-	gw_status status = place(&p, probes, error);
+	gw_status status = gw_probe_placing_run(&p, probes, error);
 	if (status == GW_OK)
 		status = trace(lighting, p.places.place, options->seed, probes, error);
 	if (status == GW_OK)
 		status = gw_probe_cells_find(probes, scene->options.threads, error);
-	end_placing(&p);
-	return status;
-}
-
-/* --------------------------------------------------------------------------- to light records by
- */
-
-/* Which facets the maps show; radiance is that of the facets, at every bounce. */
-static gw_status trace_facets(gw_scene *scene, const float *place, gw_probe_maps *maps,
-							  gw_error *error)
-{
-	const size_t texels = maps->probes->count * maps->probes->size * maps->probes->size;
-	maps->facet = gw_allocate_array(texels, sizeof *maps->facet);
-	if (!maps->facet)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the maps of %zu probes",
-					   maps->probes->count);
-	const gw_probe_scene seen = { .passes = &scene->passes,
-								  .octree = &scene->octree,
-								  .facet = maps->facet,
-								  .seed = (uint32_t)scene->options.seed,
-								  .threads = scene->options.threads };
-	GW_TRY(gw_probes_trace(&seen, place, 1.0, maps->probes, error));
-	return gw_probe_cells_find(maps->probes, scene->options.threads, error);
-}
-
-gw_status gw_scene_probe_maps(gw_scene *scene, gw_probe_maps *maps, gw_error *error)
-{
-	gw_probes_options options = gw_probes_options_default();
-	placing p = { .scene = scene, .options = &options, .in_grid = true };
-	*maps = (gw_probe_maps){ .probes = gw_allocate_zeros(1, sizeof *maps->probes) };
-	if (!maps->probes)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory for probes");
-	options.size = scene->options.probe_size;
-	options.seed = scene->options.seed;
-	gw_status status = gw_compartments_find(scene->gpu, &scene->surfels, scene->options.threads,
-											&scene->octree, error);
-	if (status == GW_OK)
-		status = place(&p, maps->probes, error);
-	if (status == GW_OK)
-		status = trace_facets(scene, p.places.place, maps, error);
-	end_placing(&p);
-	if (status != GW_OK)
-		gw_probe_maps_clear(maps);
+	gw_probe_placing_end(&p);
 	return status;
 }

@@ -3,7 +3,7 @@
  * points. Leaves of 1.1 spacings take a tenth off the box's error and leave the cave as it is; with
  * narrower ones the rough surface of the cave gets worse: at 0.9 spacings by 2 %.
  */
-#include "glowworm.h"
+#include "glowworm_probes.h"
 
 #define LEAST_RECORDS 1250
 
@@ -82,4 +82,9 @@ void gw_bake_options_set_start(gw_bake_options *options)
 	options->record_spacing = rows[GW_QUALITY_DRAFT].record_spacing;
 	options->least_records = rows[GW_QUALITY_DRAFT].least_records;
 	options->most_records = rows[GW_QUALITY_DRAFT].most_records;
+}
+
+gw_probes_options gw_probes_options_default(void)
+{
+	return (gw_probes_options){ .size = 64, .moves = 100, .seed = 1 };
 }

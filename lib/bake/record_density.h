@@ -12,6 +12,7 @@
 #define RECORD_DENSITY_H
 
 #include "bake/lighting.h"
+#include "bake/record_steps.h"
 
 /* How much denser records may get. */
 typedef struct gw_density_wish {

@@ -2,6 +2,7 @@
  * record_fields.c - see record_fields.h.
  */
 #include "bake/record_fields.h"
+#include "bake/options_check.h"
 
 #include "base/luminance.h"
 #include "base/memory.h"

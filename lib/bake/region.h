@@ -22,15 +22,4 @@ static inline bool gw_region_has(const gw_scene *scene, size_t point)
 	return !scene->region.point || scene->region.point[point];
 }
 
-/*
- * Places the records of the region and those that they depend on, finds what they see, and which of
- * them light each facet and each surfel: in place of the steps of gw_scene_place_records. Surfels
- * that are needed but not asked for get what their facets get.
- */
-gw_status gw_region_place_records(gw_scene *scene, gw_error *error);
-
-/* Forgets what followed from the octree; everything. */
-void gw_region_drop_records(gw_region_needs *region);
-void gw_region_clear(gw_region_needs *region);
-
 #endif

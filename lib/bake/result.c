@@ -6,6 +6,7 @@
 #include "base/luminance.h"
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "bake/lighting_steps.h"
 #include "bake/region.h"
 #include "bake/report.h"
 #include "bake/voxels.h"

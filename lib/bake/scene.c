@@ -2,14 +2,13 @@
  * scene.c - see scene.h.
  */
 #include "bake/scene.h"
-#include "bake/probes.h"
-#include "bake/region.h"
 
 #include "light/direct_light.h"
 #include "glowworm_host.h"
 #include "base/memory.h"
 #include "base/nth_element.h"
 #include "octree/compartments.h"
+#include "bake/options_check.h"
 #include "bake/report.h"
 #include "cloud/strays.h"
 #include "cloud/frame.h"
@@ -21,238 +20,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Rays a record that only look for the nearest surface, when cones gather. */
-#define NEAREST_RAYS 16u
-
 /* Seconds between two questions whether to stop. */
 #define ASKED_EVERY 0.1
-
-static gw_status check_number(const char *option, double value, double low, double high,
-							  gw_error *error)
-{
-	if (!(value >= low && value <= high))
-		return gw_fail(error, GW_ERROR_USAGE, "%s is %g; give a number from %g to %g", option,
-					   value, low, high);
-	return GW_OK;
-}
-
-bool gw_options_refine(const gw_bake_options *o)
-{
-	return o->max_error > 0.0f || o->time_limit > 0.0f;
-}
-
-bool gw_options_few_records(const gw_bake_options *o)
-{
-	bool known = o->estimate_points > 0 || !(o->gathered_error > 0.0f);
-	return o->method == GW_METHOD_RAYS && o->record_spacing > 0.0f && !o->region && !o->transport &&
-		   known;
-}
-
-static bool forbids(const gw_bake_options *o, gw_effect_kind effect)
-{
-	return o->effects_forbidden & 1u << effect;
-}
-
-static bool forces(const gw_bake_options *o, gw_effect_kind effect)
-{
-	return o->effects_forced & 1u << effect;
-}
-
-gw_bake_options gw_options_effective(const gw_bake_options *options)
-{
-	gw_bake_options o = *options;
-	if (forbids(&o, GW_EFFECT_SHADOWS))
-		o.shadows = GW_SHADOWS_NONE;
-	if (forbids(&o, GW_EFFECT_BOUNCES) && o.bounces > 1)
-		o.bounces = 1;
-	if (forbids(&o, GW_EFFECT_ERROR))
-		o.estimate_points = 0;
-	if (forces(&o, GW_EFFECT_NORMALS))
-		o.normals = GW_NORMALS_ESTIMATE;
-	if (forbids(&o, GW_EFFECT_NORMALS))
-		o.normals = GW_NORMALS_GIVEN;
-	if (forces(&o, GW_EFFECT_COLUMNS))
-		o.lamps = true;
-	return o;
-}
-
-/* Effects that are forced or forbidden against what other options say. */
-static gw_status check_effects(const gw_bake_options *o, gw_error *error)
-{
-	const uint32_t known = (1u << GW_EFFECT_KIND_COUNT) - 1;
-	const struct {
-		uint32_t effects;
-		gw_effect_kind effect;
-		bool contradicted;
-		const char *what;
-	} rows[] = {
-		{ o->effects_forced, GW_EFFECT_SHADOWS, o->shadows == GW_SHADOWS_NONE,
-		  "is forced, but no kind of shadows is chosen" },
-		{ o->effects_forced, GW_EFFECT_BOUNCES, o->bounces < 2,
-		  "is forced, but the number of bounces leaves no second reflection" },
-		{ o->effects_forced, GW_EFFECT_ERROR, o->estimate_points == 0,
-		  "is forced, but no points are to be solved again for it" },
-		{ o->effects_forbidden, GW_EFFECT_ERROR, gw_options_refine(o),
-		  "is forbidden, but the bake is to go on until an error or a time is reached" },
-		{ o->effects_forbidden, GW_EFFECT_GAPS, o->gaps != GW_GAPS_OPEN || o->unknown,
-		  "is forbidden, but gaps are to be closed or written" },
-		{ o->effects_forbidden, GW_EFFECT_NORMALS, o->normals == GW_NORMALS_ESTIMATE,
-		  "is forbidden, but all normals are to be estimated" },
-		{ o->effects_forbidden, GW_EFFECT_COLUMNS, o->lamps,
-		  "is forbidden, but the light of each lamp is asked for" },
-		{ o->effects_forbidden, GW_EFFECT_OCTREE, true,
-		  "is forbidden; there is none where shadows, emitters, sky and bounces are" },
-	};
-	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
-		if (rows[i].contradicted && rows[i].effects & 1u << rows[i].effect)
-			return gw_fail(error, GW_ERROR_USAGE, "the effect '%s' %s",
-						   gw_effect_name(rows[i].effect), rows[i].what);
-	if (o->effects_forced & o->effects_forbidden)
-		return gw_fail(error, GW_ERROR_USAGE, "an effect is both forced and forbidden");
-	if ((o->effects_forced | o->effects_forbidden) & ~known)
-		return gw_fail(error, GW_ERROR_USAGE, "an effect to be forced or forbidden is not known");
-	return GW_OK;
-}
-
-bool gw_options_openness(const gw_bake_options *o)
-{
-	return o->ambient_occlusion || o->bent_normals;
-}
-
-bool gw_options_record_fields(const gw_bake_options *o)
-{
-	return gw_options_openness(o) || o->errors || o->unknown;
-}
-
-/* Cells along the longest side where their number is left to the method. Light that goes from cell
- * to cell spreads more, and takes longer, the more there are. */
-#define VOLUME_CELLS 64u
-#define LPV_CELLS 16u
-
-static gw_status check_volume(const gw_bake_options *o, gw_error *error)
-{
-	if (o->volume_harmonics != 4 && o->volume_harmonics != 9)
-		return gw_fail(error, GW_ERROR_USAGE,
-					   "a cell of a volume can have 4 or 9 spherical harmonics, not %u",
-					   o->volume_harmonics);
-	if (o->method == GW_METHOD_LPV && o->volume_harmonics != 4 && !o->volume)
-		return gw_fail(error, GW_ERROR_USAGE,
-					   "light that goes from cell to cell has 4 spherical harmonics, not %u; leave "
-					   "their number out, or gather it by a volume",
-					   o->volume_harmonics);
-	if (gw_method_has_cells(o->method) && gw_options_refine(o))
-		return gw_fail(error, GW_ERROR_USAGE,
-					   "a volume is not refined until an error or a time is reached; ask for more "
-					   "cells, or gather by rays");
-	if (o->method == GW_METHOD_BUFFERS && gw_options_refine(o))
-		return gw_fail(error, GW_ERROR_USAGE,
-					   "buffers are not refined until an error or a time is reached; ask for a "
-					   "higher quality, or gather by rays");
-	if (gw_method_has_cells(o->method) && o->lamps)
-		return gw_fail(error, GW_ERROR_USAGE,
-					   "the light of single lamps does not add up where a volume gathers, which "
-					   "holds each above 0; gather by rays for it");
-	return GW_OK;
-}
-
-static gw_status check_probes(const gw_bake_options *o, gw_error *error)
-{
-	gw_probes_options probes = gw_probes_options_default();
-	probes.size = o->probe_size;
-	if (gw_options_refine(o))
-		return gw_fail(error, GW_ERROR_USAGE,
-					   "what probes see is not refined until an error or a time is reached; ask "
-					   "for larger maps, or gather by rays");
-	return gw_probes_options_check(&probes, error);
-}
-
-static gw_status check_region(const gw_bake_options *o, gw_error *error)
-{
-	const gw_region *r = o->region;
-	if (!r)
-		return GW_OK;
-	if (o->method != GW_METHOD_RAYS)
-		return gw_fail(error, GW_ERROR_USAGE,
-					   "the light of a region is gathered by rays; leave out the method '%s'",
-					   gw_method_name(o->method));
-	if (o->transport || o->voxels || o->volume)
-		return gw_fail(error, GW_ERROR_USAGE,
-					   "a region is lit alone, and %s of the whole scene; bake the whole for it",
-					   o->transport ? "a transport is" : "grids are");
-	if (r->camera && !(r->aspect >= 1.0 / 64.0 && r->aspect <= 64.0))
-		return gw_fail(error, GW_ERROR_USAGE,
-					   "the picture of a region's camera has a width of %g by its height; give "
-					   "1/64 to 64",
-					   r->aspect);
-	return GW_OK;
-}
-
-gw_status gw_options_check(const gw_bake_options *o, const gw_scene_description *scene,
-						   gw_error *error)
-{
-	const struct {
-		const char *name;
-		double value, low, high;
-	} rows[] = {
-		{ "depth", o->depth == GW_DEPTH_AUTO ? 1 : o->depth, 1, GW_DEPTH_MAX },
-		{ "leaf spacing", (double)o->leaf_spacing, 0.25, 64 },
-		{ "tolerance", (double)o->tolerance, 1e-6, 0.999 },
-		{ "rays", o->rays, 1, 4096 },
-		{ "light samples", o->light_samples, 1, 4096 },
-		{ "cones", o->cones, 1, 256 },
-		{ "number of cells of a volume", o->volume_cells > 0 ? o->volume_cells : VOLUME_CELLS,
-		  GW_VOLUME_CELLS_LEAST, GW_VOLUME_CELLS_MOST },
-		{ "record spacing", (double)o->record_spacing, 0, 64 },
-		{ "shadow map size", o->shadow_map_size, 16, 8192 },
-		{ "largest error", (double)o->max_error, 0, 1 },
-		{ "largest error of gathered light", (double)o->gathered_error, 0, 1 },
-		{ "occlusion distance", (double)o->ambient_occlusion_distance, 0, 1e9 },
-		{ "time limit", (double)o->time_limit, 0, 1e9 },
-		{ "method", (double)o->method, 0, GW_METHOD_COUNT - 1 },
-		{ "basis", (double)o->basis, 0, GW_BASIS_COUNT - 1 },
-		{ "shadows", (double)o->shadows, 0, GW_SHADOWS_COUNT - 1 },
-		{ "gaps", (double)o->gaps, 0, GW_GAPS_COUNT - 1 },
-		{ "radiance of gaps", (double)o->gap_radiance, 0, 1e30 },
-		{ "passes", (double)o->passes, 0, GW_PASSES_COUNT - 1 },
-		{ "normals", (double)o->normals, 0, GW_NORMALS_COUNT - 1 },
-		{ "validation", (double)o->validate, 0, GW_VALIDATION_COUNT - 1 },
-	};
-	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
-		GW_TRY(check_number(rows[i].name, rows[i].value, rows[i].low, rows[i].high, error));
-	GW_TRY(check_effects(o, error));
-	if (scene->points->count == 0)
-		return gw_fail(error, GW_ERROR_DATA,
-					   "the cloud holds no points, so there is nothing to light");
-	if (gw_options_refine(o) && o->estimate_points == 0)
-		return gw_fail(error, GW_ERROR_USAGE,
-					   "an error or a time to aim at needs an estimate of the error; let it have "
-					   "at least one point");
-	if (gw_options_refine(o) && o->transport)
-		return gw_fail(error, GW_ERROR_USAGE,
-					   "a bake that refines its settings cannot begin with a transport nor make "
-					   "one; leave out the error or time to aim at");
-	if (o->basis == GW_BASIS_DIRECTIONAL &&
-		(!gw_method_keeps_hits(o->method) || o->gaps != GW_GAPS_OPEN))
-		return gw_fail(error, GW_ERROR_USAGE,
-					   "records know from where their light comes only if they gather by rays and "
-					   "gaps are open; leave the basis to the bake");
-	if (o->gaps != GW_GAPS_OPEN && o->method != GW_METHOD_RAYS)
-		return gw_fail(error, GW_ERROR_USAGE,
-					   "%s not know gaps; leave these open, or gather by rays",
-					   o->method == GW_METHOD_CONES     ? "cones do"
-					   : o->method == GW_METHOD_PROBES  ? "probes do"
-					   : o->method == GW_METHOD_BUFFERS ? "buffers do"
-														: "a volume does");
-	GW_TRY(check_volume(o, error));
-	if (o->method == GW_METHOD_PROBES)
-		GW_TRY(check_probes(o, error));
-	GW_TRY(check_region(o, error));
-	if (o->gap_radiance > 0.0f && (o->lamps || o->gaps != GW_GAPS_BLACK))
-		return gw_fail(error, GW_ERROR_USAGE,
-					   "a radiance of gaps takes gaps that are black without it, and is no lamp's: "
-					   "leave out the light of single lamps, or say black for gaps");
-	return gw_lights_check(scene->lights, scene->light_count, error);
-}
 
 gw_status gw_scene_begin(gw_scene *scene, const char *name, double done, double share,
 						 gw_error *error)
@@ -464,7 +233,7 @@ void gw_scene_report_space(const gw_scene *scene)
 gw_status gw_scene_find_space(gw_scene *scene, const gw_points *points, gw_error *error)
 {
 	const gw_bake_options *o = &scene->options;
-	if (forbids(o, GW_EFFECT_GAPS))
+	if (gw_options_forbid(o, GW_EFFECT_GAPS))
 		return GW_OK;
 	GW_TRY(gw_scanned_space_make(points, &scene->surfels, o->threads, &scene->space, error));
 	if (scene->space.scanners == 0)
@@ -494,7 +263,7 @@ gw_status gw_scene_make_surfels(gw_scene *scene, const gw_scene_description *fro
 		gw_scene_surfels_options(scene, from->lights, from->light_count);
 	GW_TRY(gw_surfels_make(from->points, &options, &scene->surfels, error));
 	gw_report_surfels(scene->report, &scene->surfels, from->points);
-	return gw_region_ask(scene, error);
+	return GW_OK;
 }
 
 void gw_scene_report_octree(const gw_scene *scene)
@@ -511,11 +280,6 @@ void gw_scene_report_octree(const gw_scene *scene)
 	r->leaf_tiles = octree->leaf_tile_count;
 	r->border_tiles = octree->border_tile_count;
 	r->octree_bytes = gw_gpu_read_account(scene->gpu).bytes;
-}
-
-static uint32_t ray_count(const gw_bake_options *o)
-{
-	return gw_method_keeps_hits(o->method) ? o->rays : NEAREST_RAYS;
 }
 
 gw_status gw_scene_build_octree(gw_scene *scene, gw_error *error)
@@ -557,114 +321,6 @@ gw_status gw_scene_do_without_octree(gw_scene *scene, gw_error *error)
 	return GW_OK;
 }
 
-static void report_rays(gw_scene *scene)
-{
-	gw_report *r = scene->report;
-	r->rays = (uint64_t)scene->rays.rays * scene->records.count;
-	r->rays_traced = scene->kept ? scene->traced : r->rays;
-}
-
-/* What the records see by the maps of probes. */
-static gw_status follow_maps(gw_scene *scene, gw_error *error)
-{
-	const gw_record_context on = gw_scene_context(scene, &scene->records);
-	gw_probe_maps maps;
-	GW_TRY(gw_scene_probe_maps(scene, &maps, error));
-	gw_status status = gw_probe_gather_trace(&on, &maps, scene->options.rays,
-											 (uint32_t)scene->options.seed, &scene->rays, error);
-	scene->traced = (uint64_t)scene->options.rays * scene->records.count;
-	gw_probe_maps_clear(&maps);
-	return status;
-}
-
-/* What the records see; for cones, how near their surroundings are. */
-static gw_status trace_records(gw_scene *scene, gw_error *error)
-{
-	const gw_record_context on = gw_scene_context(scene, &scene->records);
-	const gw_bake_options *o = &scene->options;
-	if (o->method == GW_METHOD_PROBES)
-		GW_TRY(follow_maps(scene, error));
-	else if (scene->kept)
-		GW_TRY(gw_kept_hits_trace(&on, scene->kept, scene->boxes, &scene->rays, &scene->traced,
-								  error));
-	else
-		GW_TRY(gw_ray_gather_trace(&on, ray_count(o), (uint32_t)o->seed, &scene->rays, error));
-	report_rays(scene);
-	return gw_ray_gather_look(&on, &scene->rays, error);
-}
-
-static void report_records(gw_scene *scene)
-{
-	scene->report->records = scene->records.count;
-	scene->report->record_spacing =
-		scene->region.asked ? scene->region.spacing : scene->records.spacing;
-}
-
-gw_volume_wish gw_scene_wish_volume(const gw_scene *scene)
-{
-	const gw_bake_options *o = &scene->options;
-	return (gw_volume_wish){ .surfels = &scene->surfels,
-							 .cells = o->volume_cells > 0 ? o->volume_cells : VOLUME_CELLS,
-							 .order = o->volume_harmonics == 9 ? 3 : 2,
-							 .rays = o->rays,
-							 .seed = (uint32_t)o->seed,
-							 .whole = o->volume };
-}
-
-/* Light that goes from cell to cell needs them all, and no rays. */
-static gw_status make_propagation(gw_scene *scene, gw_error *error)
-{
-	const gw_record_context on = gw_scene_context(scene, &scene->records);
-	gw_volume_wish wish = gw_scene_wish_volume(scene);
-	if (scene->options.volume_cells == 0)
-		wish.cells = LPV_CELLS;
-	wish.order = 2;
-	wish.rays = 0;
-	wish.whole = true;
-	GW_TRY(gw_radiance_volume_make(&on, &wish, &scene->volume, error));
-	return gw_propagation_make(&on, &scene->volume, &scene->propagation, error);
-}
-
-/* Cells of a volume, what they see, and which of them light each record. */
-static gw_status make_volume(gw_scene *scene, gw_error *error)
-{
-	const gw_record_context on = gw_scene_context(scene, &scene->records);
-	const gw_volume_wish wish = gw_scene_wish_volume(scene);
-	GW_TRY(gw_compartments_find(scene->gpu, &scene->surfels, scene->options.threads, &scene->octree,
-								error));
-	GW_TRY(scene->options.method == GW_METHOD_LPV
-			   ? make_propagation(scene, error)
-			   : gw_radiance_volume_make(&on, &wish, &scene->volume, error));
-	scene->report->volume_cells = scene->volume.count;
-	return gw_volume_weigh_records(&on, &scene->volume, &scene->volume_rows, error);
-}
-
-/* Buffers of the records, and what these show. */
-static gw_status draw_buffers(gw_scene *scene, gw_error *error)
-{
-	const gw_record_context on = gw_scene_context(scene, &scene->records);
-	const gw_bake_options *o = &scene->options;
-	GW_TRY(gw_micro_buffers_make(&on, o->rays, (uint32_t)o->seed, &scene->buffers, error));
-	scene->report->buffer_pieces = scene->buffers.drawn;
-	return GW_OK;
-}
-
-/* Work space of cones, a volume or buffers. */
-static gw_status make_pools(gw_scene *scene, gw_error *error)
-{
-	const gw_bake_options *o = &scene->options;
-	if (gw_method_has_cells(o->method))
-		return make_volume(scene, error);
-	if (o->method == GW_METHOD_BUFFERS)
-		return draw_buffers(scene, error);
-	if (o->method != GW_METHOD_CONES)
-		return GW_OK;
-	GW_TRY(gw_cone_gather_create(scene->gpu, &scene->octree, o->cones, (uint32_t)o->seed,
-								 &scene->cones, error));
-	scene->report->brick_bytes = scene->cones.leaf_pool.allocated + scene->cones.mip_pool.allocated;
-	return GW_OK;
-}
-
 /* What emitters brought is not so any more. */
 void gw_scene_forget_further(gw_scene *scene)
 {
@@ -688,204 +344,25 @@ void gw_scene_forget_light(gw_scene *scene)
 	gw_buffer_destroy(scene->gpu, &scene->rays.through);
 }
 
-gw_record_wish gw_scene_wish_records(const gw_scene *scene, const gw_bake_options *o)
+static void drop_region_records(gw_region_needs *region)
 {
-	bool few = scene->adds_records && gw_options_few_records(o);
-	return (gw_record_wish){ .spacing = o->record_spacing,
-							 .least = gw_records_least(&scene->surfels, o->least_records),
-							 .most = few ? o->most_records : 0,
-							 .seed = o->seed };
+	free(region->facet_spacing);
+	free(region->lit);
+	region->facet_spacing = NULL;
+	region->lit = NULL;
 }
 
-/* Normals that are turned by less on the average, radians, read the same light. */
-#define TURN_LEAST 0.02
-
-/* Of normals that are off by this share of how far they are turned, what they read is noise. */
-#define OFF_MOST 0.5
-
-/* By how much normals are off: the root of the mean square, radians; of noisy points how far their
- * own normals are turned from the surface's counts as well. */
-static double normals_off(const gw_scene *scene)
+static void clear_region(gw_region_needs *region)
 {
-	const gw_surfels *s = &scene->surfels;
-	const bool *asked = scene->region.asked;
-	double sum = 0.0;
-	for (size_t i = 0; i < s->count && s->shading_normal_off; i++)
-		if (!asked || asked[i])
-			sum += (double)s->shading_normal_off[i] * (double)s->shading_normal_off[i];
-	for (size_t i = 0; i < s->count && s->shading_normal; i++) {
-		const float *a = s->normal + 3 * i, *b = s->shading_normal + 3 * i;
-		double cosine = (double)(a[0] * b[0] + a[1] * b[1] + a[2] * b[2]);
-		if (!asked || asked[i])
-			sum += fmax(0.0, 1.0 - cosine * cosine);
-	}
-	return sqrt(sum / (double)(asked ? scene->region.count : s->count));
-}
-
-/* By how far normals are turned from theirs, unless that is noise. */
-gw_status gw_scene_measure_turn(gw_scene *scene, gw_error *error)
-{
-	const gw_surfels *s = &scene->surfels;
-	gw_view normal;
-	scene->turn = 0.0;
-	if (!gw_method_keeps_hits(scene->options.method) || scene->options.basis != GW_BASIS_AUTO)
-		return GW_OK;
-	GW_TRY(gw_view_open(scene->gpu, &scene->records.normal, 16 * (uint64_t)scene->records.count,
-						&normal, error));
-	scene->turn =
-		gw_read_back_turn(&scene->read_back, normal.bytes, s->normal, scene->options.threads);
-	gw_view_close(&normal);
-	if (scene->region.asked) /* the rows of others are empty by then */
-		scene->turn *= sqrt((double)s->count / (double)scene->region.count);
-	if (normals_off(scene) > OFF_MOST * scene->turn)
-		scene->turn = 0.0;
-	return GW_OK;
-}
-
-gw_status gw_scene_place_records(gw_scene *scene, gw_error *error)
-{
-	const gw_record_context on = gw_scene_context(scene, &scene->records);
-	const gw_record_wish wish = gw_scene_wish_records(scene, &scene->options);
-	if (scene->region.asked) {
-		GW_TRY(gw_region_place_records(scene, error));
-		report_records(scene);
-		report_rays(scene);
-		return GW_OK;
-	}
-	GW_TRY(gw_records_place(&on, &wish, error));
-	report_records(scene);
-	GW_TRY(trace_records(scene, error));
-	GW_TRY(make_pools(scene, error));
-	GW_TRY(gw_records_weigh_facets(&on, NULL, error));
-	GW_TRY(gw_read_back_make(&on, scene->surfels.count, &scene->read_back, error));
-	return gw_scene_measure_turn(scene, error);
-}
-
-gw_status gw_scene_list_further(gw_scene *scene, uint32_t first, gw_error *error)
-{
-	gw_records *all = &scene->records;
-	size_t count = all->count - first;
-	float *rows = gw_allocate_array(count, 8 * sizeof *rows);
-	if (!rows)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu records", count);
-	gw_status status = gw_buffer_download(scene->gpu, &all->position, 16 * (uint64_t)first, rows,
-										  16 * count, error);
-	if (status == GW_OK)
-		status = gw_buffer_download(scene->gpu, &all->normal, 16 * (uint64_t)first,
-									rows + 4 * count, 16 * count, error);
-	if (status == GW_OK)
-		status = gw_records_put(scene->gpu, rows, rows + 4 * count, (uint32_t)count,
-								&scene->further, error);
-	free(rows);
-	return status;
-}
-
-/* Which records light what, where they have come closer. */
-static gw_status weigh_again(gw_scene *s, const gw_record_density *density, gw_error *error)
-{
-	const gw_record_context on = gw_scene_context(s, &s->records);
-	const gw_own_spacings facet = { density->facet_spacing, density->facet_closer,
-									2 * (size_t)s->octree.leaf_count };
-	const gw_own_spacings surfel = { density->surfel_spacing, density->surfel_closer,
-									 s->surfels.count };
-	gw_buffer facets = { 0 }, surfels = { 0 };
-	gw_status status =
-		gw_records_reach(s->gpu, &s->records, GW_FACET_REACH, &facet, &facets, error);
-	if (status == GW_OK)
-		status = gw_records_reach(s->gpu, &s->records, GW_SURFEL_REACH, &surfel, &surfels, error);
-	if (status == GW_OK)
-		status = gw_records_weigh_facets(&on, &facets, error);
-	if (status == GW_OK)
-		status = gw_read_back_again(&on, &surfels, density->surfel_closer, &s->read_back, error);
-	gw_buffer_destroy(s->gpu, &facets);
-	gw_buffer_destroy(s->gpu, &surfels);
-	return status;
-}
-
-gw_status gw_scene_add_records(gw_scene *scene, const gw_record_density *density, gw_error *error)
-{
-	const gw_record_context on = gw_scene_context(scene, &scene->records);
-	const gw_record_context further = gw_scene_context(scene, &scene->further);
-	uint32_t before = scene->records.count;
-	gw_scene_forget_further(scene);
-	GW_TRY(gw_records_add(&on, scene->options.seed, density->facet_spacing, error));
-	report_records(scene);
-	if (scene->records.count > before)
-		GW_TRY(gw_scene_list_further(scene, before, error));
-	if (scene->further.count > 0)
-		GW_TRY(gw_ray_gather_add(&further, &scene->rays, &scene->further_rays, error));
-	report_rays(scene);
-	GW_TRY(gw_ray_gather_look(&on, &scene->rays, error));
-	GW_TRY(weigh_again(scene, density, error));
-	return scene->region.asked ? GW_OK : gw_scene_measure_turn(scene, error);
-}
-
-bool gw_scene_keeps_moments(const gw_scene *scene)
-{
-	const gw_bake_options *o = &scene->options;
-	bool closed = o->gaps != GW_GAPS_OPEN && gw_scanned_space_known(&scene->space);
-	if (!gw_method_keeps_hits(o->method) || closed || o->basis == GW_BASIS_SCALAR)
-		return false;
-	return o->basis == GW_BASIS_DIRECTIONAL || scene->turn >= TURN_LEAST;
-}
-
-gw_status gw_scene_find_compartments(gw_scene *s, gw_error *error)
-{
-	const gw_record_context on = gw_scene_context(s, &s->records);
-	const gw_record_context further = gw_scene_context(s, &s->further);
-	GW_TRY(gw_compartments_find(s->gpu, &s->surfels, s->options.threads, &s->octree, error));
-	if (s->buffers.hits.facet.handle != VK_NULL_HANDLE)
-		return gw_micro_buffers_shut_out(&on, &s->buffers, error);
-	if (!gw_method_keeps_hits(s->options.method) || s->rays.facet.handle == VK_NULL_HANDLE)
-		return GW_OK;
-	GW_TRY(gw_ray_gather_shut_out(&on, &s->rays, error));
-	return s->further.count > 0 ? gw_ray_gather_shut_out(&further, &s->further_rays, error) : GW_OK;
-}
-
-gw_status gw_scene_open_to_sky(gw_scene *s, gw_error *error)
-{
-	const gw_record_context on = gw_scene_context(s, &s->records);
-	const gw_record_context further = gw_scene_context(s, &s->further);
-	if (!s->portals.looked && !forbids(&s->options, GW_EFFECT_PORTALS))
-		GW_TRY(gw_portals_find(&s->passes, &s->octree, &s->records, &s->rays, &s->portals, error));
-	if (s->further.count > 0)
-		GW_TRY(
-			gw_ray_gather_open_further(&further, &s->portals, &s->rays, &s->further_rays, error));
-	return gw_ray_gather_open(&on, &s->portals, &s->rays, error);
-}
-
-gw_status gw_scene_complete(gw_scene *scene, const gw_points *points, gw_error *error)
-{
-	gw_report_surfels(scene->report, &scene->surfels, points);
-	gw_scene_report_octree(scene);
-	report_records(scene);
-	GW_TRY(gw_scene_find_space(scene, points, error));
-	GW_TRY(gw_records_make_room(scene->gpu, &scene->records, error));
-	GW_TRY(gw_scene_measure_turn(scene, error));
-	return make_pools(scene, error);
-}
-
-gw_status gw_scene_keep_hits(gw_scene *scene, gw_kept_hits *kept, gw_error *error)
-{
-	const gw_record_context on = gw_scene_context(scene, &scene->records);
-	const gw_bake_options *o = &scene->options;
-	const gw_record_wish wish = gw_scene_wish_records(scene, o);
-	gw_status status = gw_records_place(&on, &wish, error);
-	if (status == GW_OK) { /* each frame gets what stands still got, so that its light keeps */
-		scene->options.record_spacing = scene->records.spacing;
-		scene->options.least_records = 0;
-		status = gw_ray_gather_trace(&on, ray_count(o), (uint32_t)o->seed, &scene->rays, error);
-	}
-	if (status == GW_OK)
-		status = gw_kept_hits_take(scene->gpu, &scene->octree, &scene->records, &scene->rays, kept,
-								   error);
-	gw_scene_drop_records(scene);
-	return status;
+	drop_region_records(region);
+	free(region->asked);
+	free(region->point);
+	*region = (gw_region_needs){ 0 };
 }
 
 void gw_scene_drop_records(gw_scene *scene)
 {
-	gw_region_drop_records(&scene->region);
+	drop_region_records(&scene->region);
 	gw_cone_gather_destroy(scene->gpu, &scene->cones);
 	gw_volume_rows_destroy(scene->gpu, &scene->volume_rows);
 	gw_propagation_destroy(scene->gpu, &scene->propagation);
@@ -912,7 +389,7 @@ void gw_scene_drop_octree(gw_scene *scene)
 
 void gw_scene_close(gw_scene *scene)
 {
-	gw_region_clear(&scene->region);
+	clear_region(&scene->region);
 	gw_surfels_clear(&scene->surfels);
 	gw_scanned_space_clear(&scene->space);
 	if (scene->gpu == NULL)

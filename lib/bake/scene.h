@@ -24,13 +24,6 @@
 #include "surfels/scanned_space.h"
 #include "bake/scaled_scene.h"
 
-/* Where records are to stand closer than the spacing with which they were placed, leaf cells. */
-typedef struct gw_record_density {
-	float *facet_spacing;               /* 2 * leaf_count */
-	float *surfel_spacing;              /* surfel count */
-	bool *facet_closer, *surfel_closer; /* likewise: whose spacing has become less */
-} gw_record_density;
-
 /* What a bake of a region needs (region.h). All zero: everything is lit. */
 typedef struct gw_region_needs {
 	bool *asked;          /* NULL: all; surfel count: those whose light is asked for */
@@ -109,6 +102,14 @@ static inline gw_record_context gw_scene_context(gw_scene *scene, gw_records *re
 	return (gw_record_context){ &scene->passes, &scene->octree, records };
 }
 
+/* Whose gaps are closed; NULL when they are open, or none is known. */
+static inline const gw_scanned_space *gw_scene_closed_space(const gw_scene *scene)
+{
+	return scene->options.gaps != GW_GAPS_OPEN && gw_scanned_space_known(&scene->space)
+			   ? &scene->space
+			   : NULL;
+}
+
 /*
  * Begins a stage: tells the caller, and asks whether to stop.
  *   done    share of the whole that lies behind; 0 begins another whole
@@ -123,31 +124,6 @@ gw_status gw_scene_check_validation(const gw_scene *scene, gw_error *error);
 /* Whether to stop; scene: a gw_scene. To be asked often within stages: it asks the caller, and
  * tells how far the work is, when the last time was a while ago. */
 bool gw_scene_stopped(void *scene);
-
-/* GW_ERROR_USAGE when options or lights make no sense, GW_ERROR_DATA when there are no points. */
-gw_status gw_options_check(const gw_bake_options *options, const gw_scene_description *scene,
-						   gw_error *error);
-
-/* The options with what follows from effects that they forbid: no shadows, one reflection... */
-gw_bake_options gw_options_effective(const gw_bake_options *options);
-
-/* How close records are to stand: by options that may be others than the scene's. Where it adds
- * none, as many as these ask for. */
-gw_record_wish gw_scene_wish_records(const gw_scene *scene, const gw_bake_options *options);
-
-/* The volume that options ask for, of the cells that its surfels and records read. */
-gw_volume_wish gw_scene_wish_volume(const gw_scene *scene);
-
-/* Whether the options ask to refine until an error or a time is reached. */
-bool gw_options_refine(const gw_bake_options *options);
-
-/* Whether they ask which directions are open, and for anything that record_fields.h collects. */
-bool gw_options_openness(const gw_bake_options *options);
-bool gw_options_record_fields(const gw_bake_options *options);
-
-/* Whether records may be few at first: those that are missing are found by an estimate of the
- * error, or none are to be added. */
-bool gw_options_few_records(const gw_bake_options *options);
 
 /* Opens the device that the options name. */
 gw_status gw_scene_open_device(gw_scene *scene, gw_error *error);
@@ -178,34 +154,6 @@ gw_status gw_scene_do_without_octree(gw_scene *scene, gw_error *error);
 /* Writes what the octree is into the report; building it does so, too. */
 void gw_scene_report_octree(const gw_scene *scene);
 
-/* Places the records, finds what they see, and which of them light each facet and each surfel. */
-gw_status gw_scene_place_records(gw_scene *scene, gw_error *error);
-
-/*
- * Adds records where the density says, finds what they see, and which records light each facet and
- * each surfel then. What others saw stays. On failure the records are to be dropped.
- */
-gw_status gw_scene_add_records(gw_scene *scene, const gw_record_density *density, gw_error *error);
-
-/* Whether records keep from where their light comes (moments.h): where that is asked for, or
- * surfels' normals differ from their records' by more than noise; not where gaps are closed. */
-bool gw_scene_keeps_moments(const gw_scene *scene);
-
-/* The records from `first` on, by themselves, as scene->further. */
-gw_status gw_scene_list_further(gw_scene *scene, uint32_t first, gw_error *error);
-
-/* How much it matters that records know from where their light comes, into scene->turn. */
-gw_status gw_scene_measure_turn(gw_scene *scene, gw_error *error);
-
-/* Finds what rock keeps apart, and what records must not see through it. */
-gw_status gw_scene_find_compartments(gw_scene *scene, gw_error *error);
-
-/* Sees to it that portals to the sky are known and sampled from all records. */
-gw_status gw_scene_open_to_sky(gw_scene *scene, gw_error *error);
-
-/* Makes the work space, and reports, where all of these came from a transport (transport.h). */
-gw_status gw_scene_complete(gw_scene *scene, const gw_points *points, gw_error *error);
-
 /*
  * Gives the points other emission; nothing else changes. On failure it is as it was.
  *   emission   3 * points, in the order that the scene was made from, or NULL: none
@@ -222,9 +170,6 @@ void gw_scene_forget_light(gw_scene *scene);
 
 /* What the added records are, once they are among the others in all that is kept. */
 void gw_scene_forget_further(gw_scene *scene);
-
-/* Places records only to find what they see, as scene.kept; they are dropped again. */
-gw_status gw_scene_keep_hits(gw_scene *scene, gw_kept_hits *kept, gw_error *error);
 
 /* Forget the records; the octree and the records; everything. Options and callbacks stay. */
 void gw_scene_drop_records(gw_scene *scene);

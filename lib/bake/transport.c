@@ -10,6 +10,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "bake/transport_blocks.h"
+#include "bake/record_steps.h"
 #include "light/transport_layout.h"
 
 #include <math.h>

@@ -2,6 +2,8 @@
  * volume_light.c - see volume_light.h.
  */
 #include "bake/volume_light.h"
+#include "bake/sampled_light.h"
+#include "bake/scene_records.h"
 
 #include "base/memory.h"
 #include "light/bounces.h"
