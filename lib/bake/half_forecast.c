@@ -3,7 +3,6 @@
  */
 #include "bake/half_forecast.h"
 
-#include "bake/bake.h"
 #include "bake/half_sample.h"
 #include "bake/report.h"
 #include "glowworm_host.h"

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Dependencies point one way: cli -> formats -> lib, and shaders share headers with lib; within each
 # of them a room uses only itself and the rooms before it. Of lib the others use the public headers.
+# No two sources of a folder use each other, directly or through others.
 # What lib and formats call neither prints to a standard stream nor ends the process.
 # shellcheck source=tests/lint/tree_files
 . "$(dirname "$0")/tree_files"
@@ -88,10 +89,23 @@ check_silence() {
 				print }'
 }
 
+# Sources whose includes lead back to them. A header may take types from one whose source uses it.
+check_circles() { # folder
+	list_sources | grep -E "^$1/.*\.(c|cpp)$" | tr '\n' '\0' |
+		xargs -0r grep -HoE '^[ 	]*#[ 	]*include[ 	]*"[^"]*"' |
+		sed -E "s|^$1/||; s|:.*\"(.*)\"| \1|; s/\.(c|cpp|h)( |$)/ /g" |
+		awk '$1 != $2 { print $1, $2 }' | tsort 2>&1 >/dev/null |
+		sed -n "s|^tsort: \([^-]\)|$1/\1|p" |
+		sed 's/$/: its source is in a circle of sources that use each other/'
+}
+
 complain < <(check_rooms)
 complain < <(check_includes shaders)
 complain < <(check_includes lib shaders)
 complain < <(check_includes formats lib shaders)
 complain < <(check_includes cli formats lib shaders)
+for folder in lib formats cli; do
+	complain < <(check_circles "$folder")
+done
 complain < <(check_silence)
 finish

@@ -97,6 +97,8 @@ expect_fault layers 'includes light/up.h' 'mkdir lib/base lib/light
 	echo "int x;" >lib/light/up.h; echo "#include \"light/up.h\"" >lib/base/low.c'
 expect_fault layers 'includes base/low.h' 'mkdir lib/base; echo "int x;" >lib/base/low.h
 	echo "#include \"base/low.h\"" >>formats/two.h'
+expect_fault layers 'lib/up: its source is in a circle' 'echo "#include \"up.h\"" >>lib/one.c
+	: >lib/up.h; echo "#include \"one.h\"" >lib/up.c'
 expect_fault layers 'lib/attic: is not in the list' \
 	'mkdir lib/attic; echo "int x;" >lib/attic/old.c'
 expect_fault layers 'includes four.h' \
