@@ -2,8 +2,7 @@
 # Runs groups of tests and counts. Each argument is BUILD:GROUP, such as build:unit or
 # build/sanitize:cli. The groups:
 #
-#   unit physics hostile   every program BUILD/tests/GROUP/test_*; cmocka names its tests. Those of
-#                          unit run beside each other, one a processor
+#   unit physics hostile   every program BUILD/tests/GROUP/test_*; cmocka names its tests
 #   shaders                those of physics that take seconds, by shaders alone, as on a GPU, under
 #                          the validation layer; test_shaders.c has the rest
 #   interop                tests/cli/run with the scripts of tests/interop
@@ -11,6 +10,8 @@
 #   torture                the short run of the campaign of tests/torture
 #   lint                   tests/lint/check_*.sh and test_*.sh; each script is a test
 #   style                  those of them that look at the sources alone, in seconds
+#
+# Programs and scripts of a group run beside each other, one a processor: most keep one busy.
 #
 # Prints one line a group, the output of what failed, what took longest, and at the end
 # `N passed, N failed`. The exit status is 1 when a test failed or when there was none.
@@ -85,10 +86,20 @@ judge_program() { # program
 	skipped=$((skipped + skips))
 }
 
-# So many programs run beside each other.
-run_programs() { # build beside source...
-	local source program build=$1 beside=$2 list=()
-	shift 2
+# Runs each of a list, as many beside each other as there are processors.
+run_beside() { # function item...
+	local item run=$1
+	shift
+	for item in "$@"; do
+		while [ "$(jobs -rp | wc -l)" -ge "$(nproc)" ]; do wait -n; done
+		"$run" "$item" &
+	done
+	wait
+}
+
+run_programs() { # build source...
+	local source program build=$1 list=()
+	shift
 	for source in "$@"; do
 		[ -f "$source" ] || continue
 		program=$build/${source%.*}
@@ -99,11 +110,7 @@ run_programs() { # build beside source...
 			group_failed=$((group_failed + 1))
 		fi
 	done
-	for program in "${list[@]}"; do
-		while [ "$(jobs -rp | wc -l)" -ge "$beside" ]; do wait -n; done
-		run_program "$program" &
-	done
-	wait
+	run_beside run_program "${list[@]}"
 	for program in "${list[@]}"; do
 		judge_program "$program"
 	done
@@ -149,21 +156,26 @@ run_torture() { # build
 	[ "$status" -ne 0 ] && [ "$group_failed" -eq 0 ] && group_failed=1
 }
 
-run_lint() { # build script...
-	local script build=$1
-	shift
+# Runs one script of a lint group; build: that of the group.
+run_script() { # script
+	local log
+	log=$scratch/$(basename "$1").log
+	BUILD=$build timeout "$limit" bash "$1" >"$log" 2>&1
+	echo $? >"$log.status"
+	note_seconds "$1"
+}
+
+run_lint() { # script...
+	local script log
+	run_beside run_script "$@"
 	for script in "$@"; do
-		if (
-			BUILD=$build timeout "$limit" bash "$script" >"$scratch/log" 2>&1
-			status=$?
-			note_seconds "$script"
-			exit $status
-		); then
+		log=$scratch/$(basename "$script").log
+		if [ "$(cat "$log.status" 2>/dev/null)" = 0 ]; then
 			group_passed=$((group_passed + 1))
 		else
 			group_failed=$((group_failed + 1))
 			echo "FAIL $script"
-			head -n 60 "$scratch/log" | sed 's/^/   /'
+			head -n 60 "$log" | sed 's/^/   /'
 		fi
 	done
 }
@@ -177,21 +189,22 @@ for item in "$@"; do
 	*) unset ASAN_OPTIONS ;;
 	esac
 	case $group in
-	unit) run_programs "$build" "$(nproc)" tests/unit/test_*.c tests/unit/test_*.cpp ;;
-	physics | hostile)
-		run_programs "$build" 1 "tests/$group"/test_*.c "tests/$group"/test_*.cpp
+	unit | hostile) run_programs "$build" "tests/$group"/test_*.c "tests/$group"/test_*.cpp ;;
+	# The one that takes longest first, so that the others have run when it ends.
+	physics)
+		others=(tests/physics/test_*.c)
+		run_programs "$build" tests/physics/test_shaders.c "${others[@]/*test_shaders.c/}"
 		;;
 	shaders)
-		GLOWWORM_TEST_PASSES=device GLOWWORM_TEST_VALIDATE=calls run_programs "$build" 1 \
+		GLOWWORM_TEST_PASSES=device GLOWWORM_TEST_VALIDATE=calls run_programs "$build" \
 			tests/physics/test_{boundaries,leaks,shadow_map,portals,glossy,gloss_caches}.c
 		;;
 	cli) run_cli "$build" ;;
 	interop) run_cli "$build" tests/interop/*.sh ;;
 	torture) run_torture "$build" ;;
-	lint) run_lint "$build" tests/lint/check_*.sh tests/lint/test_*.sh ;;
+	lint) run_lint tests/lint/test_*.sh tests/lint/check_*.sh ;;
 	style)
-		run_lint "$build" \
-			tests/lint/check_{banned,format,layers,readme,scripts,style,symbols}.sh
+		run_lint tests/lint/check_{banned,format,layers,readme,scripts,style,symbols}.sh
 		;;
 	*)
 		echo "tests/suite.sh: there is no group $group" >&2
