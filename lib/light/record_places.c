@@ -22,8 +22,8 @@ typedef struct dart_table {
 	float cell;
 } dart_table;
 
-typedef struct dart {
-	uint64_t order;
+typedef struct gw_dart {
+	uint64_t turn;
 	uint32_t slot;
 } dart;
 
@@ -36,11 +36,11 @@ static uint64_t mix(uint64_t v)
 	return v ^ (v >> 31);
 }
 
-static int by_order(const void *a, const void *b)
+static int by_turn(const void *a, const void *b)
 {
 	const dart *x = a, *y = b;
-	if (x->order != y->order)
-		return x->order < y->order ? -1 : 1;
+	if (x->turn != y->turn)
+		return x->turn < y->turn ? -1 : 1;
 	return x->slot < y->slot ? -1 : x->slot > y->slot;
 }
 
@@ -164,46 +164,113 @@ static size_t list_darts(const gw_place_task *task, dart *darts)
 	return count;
 }
 
-/* All facets in a random order, as far as there is room; or all of them. */
-static size_t choose(dart_table *table, const gw_place_task *task, dart *darts, uint32_t *chosen)
+/* So many darts share a bucket on the average; their turns are random, so that few share more. */
+#define BUCKET_DARTS 4
+
+/* Sorts by turns: into buckets by their first bits, and within these. Without room, at once. */
+static void sort_darts(dart *darts, size_t count)
 {
-	size_t count = list_darts(task, darts);
+	int bits = 1;
+	while (bits < 30 && ((size_t)BUCKET_DARTS << bits) < count)
+		bits++;
+	size_t buckets = (size_t)1 << bits, *end = gw_allocate_zeros(buckets, sizeof *end);
+	dart *sorted = gw_allocate_array(count, sizeof *sorted);
+	if (!end || !sorted) {
+		qsort(darts, count, sizeof *darts, by_turn);
+	} else {
+		for (size_t i = 0; i < count; i++)
+			end[darts[i].turn >> (64 - bits)]++;
+		for (size_t b = 0, sum = 0; b < buckets; b++) {
+			size_t here = end[b];
+			end[b] = sum;
+			sum += here;
+		}
+		for (size_t i = 0; i < count; i++)
+			sorted[end[darts[i].turn >> (64 - bits)]++] = darts[i];
+		for (size_t b = 0; b < buckets; b++) {
+			size_t first = b > 0 ? end[b - 1] : 0;
+			if (end[b] - first > 1)
+				qsort(sorted + first, end[b] - first, sizeof *sorted, by_turn);
+		}
+		memcpy(darts, sorted, count * sizeof *darts);
+	}
+	free(end);
+	free(sorted);
+}
+
+gw_status gw_dart_order_make(const gw_place_task *task, gw_dart_order *order, gw_error *error)
+{
+	size_t most = task->albedo ? 2 * task->slots : task->slots;
+	*order = (gw_dart_order){ .dart = gw_allocate_array(most, sizeof *order->dart) };
+	if (!order->dart)
+		return gw_fail(error, GW_ERROR_MEMORY,
+					   "no memory for %zu candidates of records; bake at a smaller depth",
+					   task->slots);
+	order->count = list_darts(task, order->dart);
+	if (task->spacing > 0.0f)
+		sort_darts(order->dart, order->count);
+	return GW_OK;
+}
+
+void gw_dart_order_clear(gw_dart_order *order)
+{
+	free(order->dart);
+	*order = (gw_dart_order){ 0 };
+}
+
+/* All facets in a random order, as far as there is room; or all of them. */
+static size_t choose(dart_table *table, const gw_place_task *task, uint32_t *chosen)
+{
+	const gw_dart_order *order = task->order;
+	size_t count = order->count;
 	if (task->spacing > 0.0f) {
-		qsort(darts, count, sizeof *darts, by_order);
 		for (size_t i = 0; i < task->kept_count; i++)
 			chosen[i] = task->kept[i];
-		count = throw_darts(table, task, darts, count, chosen);
+		count = throw_darts(table, task, order->dart, count, chosen);
 		qsort(chosen + task->kept_count, count - task->kept_count, sizeof *chosen, by_value);
 	} else {
 		for (size_t i = 0; i < count; i++)
-			chosen[i] = darts[i].slot;
+			chosen[i] = order->dart[i].slot;
 	}
 	return count;
 }
 
-gw_status gw_place_records(const gw_place_task *task, uint32_t **chosen, size_t *count,
-						   gw_error *error)
+static gw_status place_in_order(const gw_place_task *task, uint32_t **chosen, size_t *count,
+								gw_error *error)
 {
 	dart_table table = { .mask = 1, .cell = task->spacing };
-	size_t most = task->albedo ? 2 * task->slots : task->slots;
+	size_t most = task->kept_count + task->order->count;
 	while (table.mask < task->slots && table.mask < UINT32_MAX / 2)
 		table.mask = table.mask * 2 + 1;
-	dart *darts = gw_allocate_array(most, sizeof *darts);
 	table.head = gw_allocate_zeros((size_t)table.mask + 1, sizeof *table.head);
 	table.next = gw_allocate_array(most, sizeof *table.next);
 	*chosen = gw_allocate_array(most, sizeof **chosen);
 	gw_status status = GW_OK;
-	if (!darts || !table.head || !table.next || !*chosen) {
+	if (!table.head || !table.next || !*chosen) {
 		status = gw_fail(error, GW_ERROR_MEMORY,
 						 "no memory for %zu candidates of records; bake at a smaller depth",
 						 task->slots);
 		free(*chosen);
 		*chosen = NULL;
 	} else {
-		*count = choose(&table, task, darts, *chosen);
+		*count = choose(&table, task, *chosen);
 	}
-	free(darts);
 	free(table.head);
 	free(table.next);
+	return status;
+}
+
+gw_status gw_place_records(const gw_place_task *task, uint32_t **chosen, size_t *count,
+						   gw_error *error)
+{
+	gw_dart_order own;
+	gw_place_task ordered = *task;
+	if (task->order)
+		return place_in_order(task, chosen, count, error);
+	*chosen = NULL;
+	GW_TRY(gw_dart_order_make(task, &own, error));
+	ordered.order = &own;
+	gw_status status = place_in_order(&ordered, chosen, count, error);
+	gw_dart_order_clear(&own);
 	return status;
 }

@@ -6,6 +6,12 @@
 
 #include "glowworm.h"
 
+/* Facets in the random order in which records are tried on them. */
+typedef struct gw_dart_order {
+	struct gw_dart *dart; /* owned */
+	size_t count;
+} gw_dart_order;
+
 typedef struct gw_place_task {
 	const float *centre, *plane; /* 4 * slots, as gw_octree.facet_centre and facet_plane; slots of
 									area 0 are skipped */
@@ -19,9 +25,17 @@ typedef struct gw_place_task {
 							 be above 0; the radius shrinks with it. INFINITY: it needs none */
 	const uint32_t *kept; /* kept_count slots that have records already */
 	size_t kept_count;
-	size_t most; /* 0, or to stop as soon as more than so many are chosen */
+	const gw_dart_order *order; /* of such a task with any spacing above 0, or NULL */
+	size_t most;                /* 0, or to stop as soon as more than so many are chosen */
 	uint64_t seed;
 } gw_place_task;
+
+/*
+ * Lists facets in their order, once for several spacings.
+ *   order   on success to be cleared by the caller; empty on failure
+ */
+gw_status gw_dart_order_make(const gw_place_task *task, gw_dart_order *order, gw_error *error);
+void gw_dart_order_clear(gw_dart_order *order);
 
 /*
  * Chooses facets for records, see gw_records_place.

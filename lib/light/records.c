@@ -219,35 +219,6 @@ static gw_status fetch_facets(gw_gpu *gpu, const gw_octree *octree, float *const
 	return GW_OK;
 }
 
-/* Throws darts; the chosen facets become records->facet and records->count. */
-static gw_status choose_facets(gw_gpu *gpu, const gw_octree *octree, gw_place_task task,
-							   gw_records *records, gw_error *error)
-{
-	size_t slots = 2 * (size_t)octree->leaf_count, count = 0;
-	float *rows[3] = { NULL };
-	bool good = true;
-	for (int i = 0; i < 3; i++) {
-		bool wanted = i < 2 || octree->backs;
-		rows[i] = wanted ? gw_allocate_array(slots, 4 * sizeof *rows[i]) : NULL;
-		good = good && (rows[i] || !wanted);
-	}
-	gw_status status =
-		good ? GW_OK : gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu facets", slots);
-	task.centre = rows[0];
-	task.plane = rows[1];
-	task.albedo = rows[2];
-	task.slots = slots;
-	task.radius = records->radius;
-	if (status == GW_OK)
-		status = fetch_facets(gpu, octree, rows, error);
-	if (status == GW_OK)
-		status = gw_place_records(&task, &records->facet, &count, error);
-	records->count = (uint32_t)count;
-	for (int i = 0; i < 3; i++)
-		free(rows[i]);
-	return status;
-}
-
 /* Puts the records on their facets, and lists them. */
 static gw_status put_and_list(const gw_record_context *on, gw_error *error)
 {
@@ -267,41 +238,73 @@ static gw_status put_and_list(const gw_record_context *on, gw_error *error)
 	return status;
 }
 
-static gw_status choose_with(const gw_record_context *on, const gw_place_task *task,
-							 gw_error *error)
+/* Throws darts; the chosen facets become records->facet and records->count. */
+static gw_status choose_with(gw_place_task *task, gw_records *r, gw_error *error)
 {
-	gw_records *r = on->records;
+	size_t count = 0;
 	free(r->facet);
 	r->facet = NULL;
 	r->spacing = task->spacing;
 	r->radius = fmaxf(GW_FACET_REACH * task->spacing, RADIUS_DENSE);
-	return choose_facets(on->passes->gpu, on->octree, *task, r, error);
+	task->radius = r->radius;
+	gw_status status = gw_place_records(task, &r->facet, &count, error);
+	r->count = (uint32_t)count;
+	return status;
 }
 
 /* Chooses facets until there are so many, or records stand as close as they may; or so few. */
-static gw_status choose_spacing(const gw_record_context *on, gw_place_task task, uint32_t least,
-								gw_error *error)
+static gw_status choose_spacing(gw_place_task *task, uint32_t least, gw_records *r, gw_error *error)
 {
-	const gw_records *r = on->records;
-	GW_TRY(choose_with(on, &task, error));
-	while (r->count < least && task.spacing > GW_RECORD_SPACING_LEAST) {
-		task.spacing = fmaxf(task.spacing * CLOSER, GW_RECORD_SPACING_LEAST);
-		GW_TRY(choose_with(on, &task, error));
+	GW_TRY(choose_with(task, r, error));
+	while (r->count < least && task->spacing > GW_RECORD_SPACING_LEAST) {
+		task->spacing = fmaxf(task->spacing * CLOSER, GW_RECORD_SPACING_LEAST);
+		GW_TRY(choose_with(task, r, error));
 	}
-	while (task.most > 0 && r->count > task.most && task.spacing > 0.0f) {
-		task.spacing = fminf(fmaxf(task.spacing / CLOSER, GW_RECORD_SPACING_LEAST), SPACING_MOST);
-		if (task.spacing >= SPACING_MOST)
-			task.most = 0;
-		GW_TRY(choose_with(on, &task, error));
+	while (task->most > 0 && r->count > task->most && task->spacing > 0.0f) {
+		task->spacing = fminf(fmaxf(task->spacing / CLOSER, GW_RECORD_SPACING_LEAST), SPACING_MOST);
+		if (task->spacing >= SPACING_MOST)
+			task->most = 0;
+		GW_TRY(choose_with(task, r, error));
 	}
 	return GW_OK;
+}
+
+/* The facets, and their order, are the same for all spacings. */
+static gw_status choose_facets(const gw_record_context *on, gw_place_task task, uint32_t least,
+							   gw_error *error)
+{
+	const gw_octree *octree = on->octree;
+	gw_dart_order order = { 0 };
+	float *rows[3] = { NULL };
+	bool good = true;
+	task.slots = 2 * (size_t)octree->leaf_count;
+	for (int i = 0; i < 3; i++) {
+		bool wanted = i < 2 || octree->backs;
+		rows[i] = wanted ? gw_allocate_array(task.slots, 4 * sizeof *rows[i]) : NULL;
+		good = good && (rows[i] || !wanted);
+	}
+	gw_status status =
+		good ? fetch_facets(on->passes->gpu, octree, rows, error)
+			 : gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu facets", task.slots);
+	task.centre = rows[0];
+	task.plane = rows[1];
+	task.albedo = rows[2];
+	if (status == GW_OK)
+		status = gw_dart_order_make(&task, &order, error);
+	task.order = &order;
+	if (status == GW_OK)
+		status = choose_spacing(&task, least, on->records, error);
+	gw_dart_order_clear(&order);
+	for (int i = 0; i < 3; i++)
+		free(rows[i]);
+	return status;
 }
 
 /* What *records has of facet weights stays. */
 static gw_status place(const gw_record_context *on, const gw_place_task *task, uint32_t least,
 					   gw_error *error)
 {
-	gw_status status = choose_spacing(on, *task, least, error);
+	gw_status status = choose_facets(on, *task, least, error);
 	choose_blocks(on->octree, task->kept_count > 0 ? 1.0f : 2.0f, on->records);
 	if (status == GW_OK)
 		status = create_buffers(on->passes->gpu, on->octree, on->records, error);

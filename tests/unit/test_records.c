@@ -118,6 +118,33 @@ static size_t place(const facets *l, float spacing, float radius, uint64_t seed,
 	return count;
 }
 
+/* Facets that were put in order once are chosen as each spacing by itself chooses them. */
+static void one_order_for_all_spacings(void **state)
+{
+	(void)state;
+	const float spacings[] = { 0.8f, 2.0f, 6.0f };
+	facets l = make_mixed();
+	gw_dart_order order;
+	gw_place_task task = { .centre = l.centre, .plane = l.plane, .slots = l.count, .seed = 9 };
+	task.spacing = 1.0f;
+	assert_int_equal(gw_dart_order_make(&task, &order, NULL), GW_OK);
+	assert_true(order.count > 0 && order.count <= l.count);
+	task.order = &order;
+	for (int i = 0; i < 3; i++) {
+		uint32_t *alone, *chosen;
+		size_t expected = place(&l, spacings[i], 1.6f * spacings[i], 9, &alone), count;
+		task.spacing = spacings[i];
+		task.radius = 1.6f * spacings[i];
+		assert_int_equal(gw_place_records(&task, &chosen, &count, NULL), GW_OK);
+		assert_int_equal(count, expected);
+		assert_memory_equal(chosen, alone, count * sizeof *chosen);
+		free(alone);
+		free(chosen);
+	}
+	gw_dart_order_clear(&order);
+	clear_facets(&l);
+}
+
 /* Every facet is chosen or covered; no two chosen ones cover each other. Returns how many. */
 static size_t check_places(const facets *l, float spacing, float radius, uint64_t seed)
 {
@@ -494,12 +521,13 @@ static void every_record_is_listed_once(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(every_facet_has_a_record),  cmocka_unit_test(density_on_a_floor),
-		cmocka_unit_test(one_on_every_facet),        cmocka_unit_test(the_seed_decides),
-		cmocka_unit_test(separate_surfaces),         cmocka_unit_test(nothing_to_place),
-		cmocka_unit_test(closer_in_places),          cmocka_unit_test(factors_follow_the_root),
-		cmocka_unit_test(factors_keep_their_limits), cmocka_unit_test(few_records_come_closer),
-		cmocka_unit_test(many_records_stand_apart),  cmocka_unit_test(every_record_is_listed_once),
+		cmocka_unit_test(every_facet_has_a_record),    cmocka_unit_test(density_on_a_floor),
+		cmocka_unit_test(one_on_every_facet),          cmocka_unit_test(the_seed_decides),
+		cmocka_unit_test(separate_surfaces),           cmocka_unit_test(nothing_to_place),
+		cmocka_unit_test(one_order_for_all_spacings),  cmocka_unit_test(closer_in_places),
+		cmocka_unit_test(factors_follow_the_root),     cmocka_unit_test(factors_keep_their_limits),
+		cmocka_unit_test(few_records_come_closer),     cmocka_unit_test(many_records_stand_apart),
+		cmocka_unit_test(every_record_is_listed_once),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
