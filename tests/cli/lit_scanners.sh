@@ -14,8 +14,8 @@ glowworm info again.ply | grep scanner
 glowworm info bad.ply | grep -c scanner || true
 # Who stood where is not asked for where the file says it: of a rough wall, light is in doubt.
 awk 'BEGIN {
-	srand(5); print "ply\nformat ascii 1.0\ncomment glowworm scanner: 0 0.25 1.5\nelement vertex 1000"
-	print "property float x\nproperty float y\nproperty float z\nend_header"
+	srand(5); print "ply\nformat ascii 1.0\ncomment glowworm scanner: 0 0.25 1.5"
+	print "element vertex 1000\nproperty float x\nproperty float y\nproperty float z\nend_header"
 	for (i = 0; i < 1000; i++) print 3 + rand() * 0.4, rand() * 4 - 2, rand() * 3 }' >rough.ply
 sed '/scanner/d' rough.ply >unsaid.ply
 for scan in rough unsaid; do
