@@ -450,10 +450,11 @@ const option options[] = {
 	{ "input-gamma", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | TRADEOFF | RENDER | ALBEDO | PROBES),
 	  .scene = true, AT(gamma), .choice = gamma_name, .group = "Scene",
 	  .help = "how the input's colours are encoded" },
-	{ "up", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | TRADEOFF | RENDER | ALBEDO | PROBES),
+	{ "up", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | INFO | TRADEOFF | RENDER | ALBEDO | PROBES),
 	  .scene = true, AT(up), .choice = up_name, .group = "Scene",
 	  .help =
-		  "which axis points up, for suns with azimuth and elevation and for cameras; -y is that "
+		  "which axis points up, for suns with azimuth and elevation, for floor and cameras; -y is "
+		  "that "
 		  "of a depth camera's own frame; auto asks the format and, where that does not say, takes "
 		  "z, or y if the points stand on it" },
 	{ "units", 0, NULL, OPTION_CHOICE,

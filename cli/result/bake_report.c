@@ -379,11 +379,10 @@ static bool is_large(const gw_report *r, double part)
 /* What the largest doubt is about. */
 typedef enum doubt { DOUBT_NONE, DOUBT_GEOMETRY, DOUBT_SIDES, DOUBT_GAPS, DOUBT_SURFACE } doubt;
 
-/* Where one stood: what tells most, if nobody told it yet. */
-static const char *or_scanner(const settings *s, const gw_report *r)
+/* Where one stood: what tells most, if nobody told it yet, nor the files. */
+static const char *or_scanner(const bake_facts *f)
 {
-	return s->scanner_count > 0 || r->gaps.scanners > 0 ? ""
-														: "--scanner X,Y,Z, where one stood, or ";
+	return f->scene->points.points.scanner_count > 0 ? "" : "--scanner X,Y,Z, where one stood, or ";
 }
 
 static void tell_gaps(const gw_report *r, const char *lead)
@@ -450,7 +449,7 @@ static const char *better_normals(const gw_report *r)
 }
 
 /* Before all others, what the light hangs on most, and what settles it. */
-static doubt note_largest_doubt(const settings *s, const gw_report *r)
+static doubt note_largest_doubt(const bake_facts *f, const gw_report *r)
 {
 	char lead[96], percent[TEXT_PERCENT], why[WHY];
 	doubt most = largest_doubt(r);
@@ -462,8 +461,7 @@ static doubt note_largest_doubt(const settings *s, const gw_report *r)
 				"in it; another --depth or --leaf-spacing may mend that\n",
 				lead);
 	if (most == DOUBT_SIDES)
-		fprintf(stderr, "%s%s; %s%s\n", lead, why_sides(r, why), or_scanner(s, r),
-				better_normals(r));
+		fprintf(stderr, "%s%s; %s%s\n", lead, why_sides(r, why), or_scanner(f), better_normals(r));
 	if (most == DOUBT_GAPS)
 		tell_gaps(r, lead);
 	if (most == DOUBT_SURFACE && !are_estimated(r))
@@ -475,7 +473,7 @@ static doubt note_largest_doubt(const settings *s, const gw_report *r)
 		fprintf(stderr,
 				"%sa bake of half of the points gives other light: they are few or noisy for what "
 				"they show; more of them, %snormals in the file settle it\n",
-				lead, or_scanner(s, r));
+				lead, or_scanner(f));
 	return most;
 }
 
@@ -491,13 +489,12 @@ static void note_geometry(const gw_report *r)
 }
 
 /* Where much of the light hangs on which way surfaces face. */
-static void note_sides(const gw_report *r)
+static void note_sides(const bake_facts *f, const gw_report *r)
 {
 	char why[WHY];
 	if (r->error.sides > GUESSED_LEAST)
-		fprintf(stderr, "glowworm: note: %s; %s\n", why_sides(r, why),
-				are_estimated(r) ? "normals in the file, or positions of scanners, would settle it"
-								 : "positions of scanners, or --normals estimate, may settle it");
+		fprintf(stderr, "glowworm: note: %s; %s%s\n", why_sides(r, why), or_scanner(f),
+				better_normals(r));
 }
 
 static const char *how_to_close(const settings *s)
@@ -647,7 +644,7 @@ static void note_unlit_space(const bake_facts *f)
 void bake_report_notes(const bake_facts *f)
 {
 	const gw_report *r = &f->result->report;
-	doubt told = note_largest_doubt(f->settings, r);
+	doubt told = note_largest_doubt(f, r);
 	note_counts(r, f->result->count);
 	octree_note_print(r->leaf_size, r->wanted_leaf_size, r->why_coarser);
 	if (f->settings->bake.bounces != 0 && r->unlit_space)
@@ -657,7 +654,7 @@ void bake_report_notes(const bake_facts *f)
 	if (told != DOUBT_GEOMETRY)
 		note_geometry(r);
 	if (told != DOUBT_SIDES)
-		note_sides(r);
+		note_sides(f, r);
 	if (told != DOUBT_GAPS)
 		note_gaps(f->settings, r);
 	note_no_scanner(f->settings, r);

@@ -29,6 +29,7 @@ typedef struct facts {
 	double normal_length; /* mean of the given ones */
 	char up;              /* as scan_up has it, and whether y may be meant */
 	bool up_doubtful;
+	bool up_said; /* by the user */
 } facts;
 
 static const char *type_name(scan_type type)
@@ -186,9 +187,10 @@ static void print_text(const facts *f)
 	const gw_statistics *s = &f->statistics;
 	text_message(stdout, "%s\n", f->name);
 	printf("  format     %s, %s up%s\n", f->format->name, settings_up_name(f->up),
-		   f->up != f->cloud->up ? ", by how its points lie"
-		   : f->up_doubtful      ? ", though y looks like it"
-								 : "");
+		   f->up_said              ? ""
+		   : f->up != f->cloud->up ? ", by how its points lie"
+		   : f->up_doubtful        ? ", though y looks like it"
+								   : "");
 	printf("  points     %" PRIu64 ", of which %" PRIu64 " are not finite and %" PRIu64
 		   " stand where another one does\n",
 		   s->points, s->points - s->finite, s->duplicates);
@@ -218,6 +220,21 @@ static void print_text(const facts *f)
 			text_message(stdout, "  note       %s\n", f->cloud->comment[c] + strlen(SCAN_NOTE));
 	printf("  bake       depth %" PRIu32 ", about %.2f GB\n", s->depth, (double)s->memory * 1e-9);
 	print_columns(f);
+}
+
+/* Which axis is up: as the user says, else the file, else how its points lie. */
+static void find_up(const settings *s, facts *f, const double *position)
+{
+	f->up_said = s->up != SETTINGS_UP_AUTO;
+	if (f->up_said)
+		f->up = settings_up_axis(s->up);
+	else
+		f->up = scan_up(f->cloud, position, &f->up_doubtful);
+	if (s->places && f->up_doubtful)
+		text_message(stderr,
+					 "glowworm: note: %s: nothing says which axis points up, and z is taken; the "
+					 "points lie as if it were y: if it is, say --up y, also to bake and render\n",
+					 f->name);
 }
 
 /* ---------------------------------------------------------------------------------- places */
@@ -275,7 +292,7 @@ static gw_status describe(const settings *s, facts *f, gw_error *error)
 	scan_points points;
 	gw_status status = scan_points_make(f->cloud, &s->points, &points, &reason);
 	if (status == GW_OK) {
-		f->up = scan_up(f->cloud, points.position, &f->up_doubtful);
+		find_up(s, f, points.position);
 		for (size_t i = 0; i < f->cloud->count && f->place->changes; i++)
 			coordinates_to_metres(f->place, points.position + 3 * i);
 		if (s->places)

@@ -28,12 +28,16 @@ typedef struct frame {
 	bool camera;  /* along `axis`; else turning about it */
 	int axis;     /* 0..2 */
 	double ahead; /* 1, or -1 to look along -axis */
+	bool uneven;  /* columns are of uneven widths */
 } frame;
 
-/* Evenly spaced values: first + step * (0 .. count - 1). */
+/* Evenly spaced values: first + step * (0 .. count - 1). Or such as a head that turns unevenly has
+ * its columns at. */
 typedef struct ruler {
 	double first, step;
 	uint32_t count;
+	double *place; /* NULL: even; else count of them, that is where they are, in order; owned */
+	double reach;  /* half of the least gap between these */
 } ruler;
 
 typedef struct rows {
@@ -141,15 +145,26 @@ static bool fit_ruler(rows *r, size_t centers, ruler *to)
 		   (double)to->count < CELLS_MOST * n;
 }
 
-/* Rows, or columns, among the sampled values. */
-static bool find_ruler(rows *r, size_t used, ruler *to)
+/* Keeps the centres as they are. */
+static bool keep_places(const rows *r, size_t centers, double border, ruler *to)
+{
+	*to = (ruler){ .count = centers < LINES_MOST ? (uint32_t)centers : 0, .reach = 0.5 * border };
+	to->place = to->count > 0 ? reallocarray(NULL, centers, sizeof *to->place) : NULL;
+	if (to->place)
+		memcpy(to->place, r->value, centers * sizeof *to->place);
+	return to->place;
+}
+
+/* Rows, or columns, among the sampled values; uneven: which need not be evenly spaced. */
+static bool find_ruler(rows *r, size_t used, bool uneven, ruler *to)
 {
 	if (used < 4 * LINES_LEAST)
 		return false;
 	qsort(r->value, used, sizeof *r->value, compare_doubles);
 	double border = find_border(r, used);
 	size_t centers = border > 0.0 ? find_centers(r->value, used, border) : 0;
-	return centers >= LINES_LEAST && fit_ruler(r, centers, to);
+	return centers >= LINES_LEAST &&
+		   (uneven ? keep_places(r, centers, border, to) : fit_ruler(r, centers, to));
 }
 
 /* ---------------------------------------------------------------------------------- one frame */
@@ -186,16 +201,42 @@ static size_t take_samples(rows *r, const frame *f, int k)
 	return used >= SAMPLES / 8 && far > DEPTHS_LEAST * near && in_view ? used : 0;
 }
 
+/* The place next to a value, or UINT32_MAX where none is near. */
+static uint32_t next_place(const ruler *to, double value)
+{
+	uint32_t low = 0, high = to->count - 1;
+	while (low < high) {
+		uint32_t middle = low + (high - low) / 2;
+		if (0.5 * (to->place[middle] + to->place[middle + 1]) < value)
+			low = middle + 1;
+		else
+			high = middle;
+	}
+	return fabs(to->place[low] - value) <= to->reach ? low : UINT32_MAX;
+}
+
 /* The cell along a ruler, or UINT32_MAX. */
 static uint32_t place_on(const ruler *to, double value)
 {
+	if (to->place)
+		return next_place(to, value);
 	double at = (value - to->first) / to->step, whole = round(at);
 	bool on = fabs(at - whole) < POINT_OFF && whole >= 0.0 && whole < (double)to->count;
 	return on ? (uint32_t)whole : UINT32_MAX;
 }
 
-/* Puts all points into cells. Returns whether nearly each has one of its own. */
-static bool fill_cells(rows *r, const frame *f, const ruler to[2], uint8_t *taken)
+static bool same_place(const rows *r, size_t a, size_t b)
+{
+	bool same = true;
+	for (int k = 0; k < 3; k++)
+		same = same && scan_value(r->column[k], a) == scan_value(r->column[k], b);
+	return same;
+}
+
+/* Puts all points into cells. Returns whether nearly each has one of its own; what some write twice
+ * counts once.
+ *   holder   one a cell, of zeros: receives the point in it, counted from 1 */
+static bool fill_cells(rows *r, const frame *f, const ruler to[2], uint32_t *holder)
 {
 	size_t finite = 0, off = 0, shared = 0;
 	for (size_t i = 0; i < r->count; i++) {
@@ -210,10 +251,12 @@ static bool fill_cells(rows *r, const frame *f, const ruler to[2], uint8_t *take
 			continue;
 		}
 		size_t cell = (size_t)row * to[0].count + column;
-		shared += taken[cell];
-		if (!taken[cell])
+		if (holder[cell] == 0) {
 			r->cell[i] = (uint32_t)cell;
-		taken[cell] = 1;
+			holder[cell] = (uint32_t)i + 1;
+		} else {
+			shared += !same_place(r, i, holder[cell] - 1);
+		}
 	}
 	return finite >= POINTS_LEAST && (double)off < (1.0 - REGULAR) * (double)finite &&
 		   (double)shared < SHARED_MOST * (double)finite;
@@ -228,16 +271,16 @@ static gw_status try_frame(rows *r, const frame *f, ruler to[2], bool *found, gw
 {
 	*found = false;
 	for (int k = 0; k < 2; k++)
-		if (!find_ruler(r, take_samples(r, f, k), &to[k]))
+		if (!find_ruler(r, take_samples(r, f, k), f->uneven && k == 0, &to[k]))
 			return GW_OK;
 	uint64_t cells = (uint64_t)to[0].count * to[1].count;
 	if ((double)cells > CELLS_MOST * (double)r->count || cells >= UINT32_MAX)
 		return GW_OK;
-	uint8_t *taken = calloc((size_t)cells, 1);
-	if (!taken)
+	uint32_t *holder = calloc((size_t)cells, sizeof *holder);
+	if (!holder)
 		return fail_memory(r, error);
-	*found = fill_cells(r, f, to, taken);
-	free(taken);
+	*found = fill_cells(r, f, to, holder);
+	free(holder);
 	return GW_OK;
 }
 
@@ -259,6 +302,20 @@ static bool goes_down(const rows *r, const frame *f, const ruler to[2])
 		before = row;
 	}
 	return (double)ordered > ORDERED * (double)steps;
+}
+
+/* Columns of uneven widths are no picture, but tell where the scanner stood. */
+static gw_status take_scanner(scan *cloud, const rows *r, const ruler to[2], gw_error *error)
+{
+	char text[200];
+	if (cloud->scanner_count > 0)
+		return GW_OK;
+	GW_TRY(scan_add_scanner(cloud, r->eye, 0, r->count, error));
+	snprintf(text, sizeof text,
+			 SCAN_NOTE "seen from %.6g,%.6g,%.6g, the points lie in %u columns and %u even rows: a "
+					   "scanner stood there",
+			 r->eye[0], r->eye[1], r->eye[2], to[0].count, to[1].count);
+	return scan_add_comment(cloud, text, error);
 }
 
 static gw_status take_rows(scan *cloud, const rows *r, const frame *f, const ruler to[2],
@@ -284,17 +341,21 @@ static gw_status take_rows(scan *cloud, const rows *r, const frame *f, const rul
 
 static gw_status look(scan *cloud, rows *r, gw_error *error)
 {
-	static const frame frames[] = {
-		{ true, 2, 1.0 }, { true, 2, -1.0 }, { true, 0, 1.0 }, { false, 2, 1.0 }, { false, 1, 1.0 }
-	};
-	for (size_t i = 0; i < sizeof frames / sizeof *frames; i++) {
-		ruler to[2];
-		bool found;
-		GW_TRY(try_frame(r, &frames[i], to, &found, error));
+	static const frame frames[] = { { true, 2, 1.0, false },  { true, 2, -1.0, false },
+									{ true, 0, 1.0, false },  { false, 2, 1.0, false },
+									{ false, 1, 1.0, false }, { false, 2, 1.0, true },
+									{ false, 1, 1.0, true } };
+	bool found = false;
+	gw_status status = GW_OK;
+	for (size_t i = 0; i < sizeof frames / sizeof *frames && !found && status == GW_OK; i++) {
+		ruler to[2] = { { .place = NULL }, { .place = NULL } };
+		status = try_frame(r, &frames[i], to, &found, error);
 		if (found)
-			return take_rows(cloud, r, &frames[i], to, error);
+			status = frames[i].uneven ? take_scanner(cloud, r, to, error)
+									  : take_rows(cloud, r, &frames[i], to, error);
+		free(to[0].place);
 	}
-	return GW_OK;
+	return status;
 }
 
 gw_status scan_find_rows(scan *cloud, bool moved, gw_error *error)

@@ -516,9 +516,18 @@ static bool is_closed(const gw_side_view *side)
 	return side->met > CLOSED * side->area && side->down_met >= CLOSED * side->down;
 }
 
+/* Does a lamp stand within a group? It shows nothing else then. That is so where surface lies all
+ * around, or more of it than around what a sky would choose, which gets next to none of the light:
+ * scanned rooms have windows, and gaps where nobody looked. */
+static bool is_lit_within(const orientation_work *w, size_t group)
+{
+	const gw_side_view *front = w->now.groups[group].light.side;
+	const gw_side_view *sky_front = w->by_sky.groups[group].light.side;
+	return is_closed(front) || (front->met > sky_front->met && front->lit > SURE * sky_front->lit);
+}
+
 /* Takes the sky's choice for the groups that go by it. Of the others, patches that the sky chooses
- * otherwise are seen from either side, but for the inside of what is closed: a lamp in there shows
- * nothing else. */
+ * otherwise are seen from either side, but for what is lit from within. */
 static void take_sky(orientation_work *w)
 {
 	light_sky_groups(w);
@@ -526,7 +535,7 @@ static void take_sky(orientation_work *w)
 		if (is_by_sky(w, w->group[i])) {
 			w->now.sign[i] = w->by_sky.sign[i];
 			w->now.disputed[i] = w->by_sky.disputed[i];
-		} else if (!is_closed(w->now.groups[w->group[i]].light.side)) {
+		} else if (!is_lit_within(w, w->group[i])) {
 			w->now.disputed[i] |= w->now.sign[i] != w->by_sky.sign[i];
 		}
 	}

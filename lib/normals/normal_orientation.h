@@ -15,8 +15,8 @@
  * gets farther, to what does not emit.
  *
  * What a sky would choose and this light does not get to is lit from both sides, so that it is not
- * black; and so is what is closed, large enough to stand in, and lit from outside alone, since a
- * room looks the same as a thing from there.
+ * black, unless a lamp stands within; and so is what is closed, large enough to stand in, and lit
+ * from outside alone, since a room looks the same as a thing from there.
  *
  * Parts that touch the rest in a few places, as a thing does the floor that it stands on, are
  * turned against it where their light says so and their borders say less.

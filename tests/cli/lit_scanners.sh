@@ -12,3 +12,14 @@ glowworm bake lit.ply --light 'point at 1,0,2 intensity 20' -o again.ply -q
 LC_ALL=C sed 's/^\(comment glowworm scanner: 0 0.25 \)1.5$/\1nan/' again.ply >bad.ply
 glowworm info again.ply | grep scanner
 glowworm info bad.ply | grep -c scanner || true
+# Who stood where is not asked for where the file says it: of a rough wall, light is in doubt.
+awk 'BEGIN {
+	srand(5); print "ply\nformat ascii 1.0\ncomment glowworm scanner: 0 0.25 1.5"
+	print "element vertex 1000\nproperty float x\nproperty float y\nproperty float z\nend_header"
+	for (i = 0; i < 1000; i++) print 3 + rand() * 0.4, rand() * 4 - 2, rand() * 3 }' >rough.ply
+sed '/scanner/d' rough.ply >unsaid.ply
+for scan in rough unsaid; do
+	glowworm bake $scan.ply --light 'point at 1,0,2 intensity 20' -o rough-lit.ply --force 2>notes
+	grep -c 'in doubt' notes
+	grep -o 'scanner X,Y,Z, where one stood' notes | uniq
+done

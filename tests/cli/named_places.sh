@@ -32,3 +32,12 @@ print_lights three.xyz --light 'point at floor:1 intensity 1'
 print_lights room.pcd --light 'spot at floor:1 to floor:1 intensity 1'
 print_lights room.pcd --light 'spot at 0,0,0 toward floor:1 intensity 1'
 glowworm info --places --devices 2>&1 || echo "$?"
+# A room whose y points up says so when places are listed, and has floor once it is told.
+awk 'BEGIN {
+	for (i = 0; i < 4096; i++)
+		print i % 64 / 16, 0, int(i / 64) / 16 "\n" i % 64 / 16, 2.75, int(i / 64) / 16
+}' >tall.xyz
+glowworm info --places tall.xyz 2>&1 | grep -o 'the points lie as if it were y: .*'
+glowworm info --places --up y tall.xyz 2>&1
+glowworm info --up y tall.xyz | grep format
+glowworm info tall.xyz | grep format

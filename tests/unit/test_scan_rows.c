@@ -17,6 +17,8 @@
 typedef struct treatment {
 	bool turns;     /* a scanner about z; else a camera along z */
 	bool shuffled;  /* in no order */
+	bool uneven;    /* columns are off by up to 0.3 of their width, and all is written twice */
+	bool rings;     /* rows are off by as much */
 	bool blank;     /* one in fifty has no depth, and is written as 0, 0, 0 */
 	double rounded; /* to multiples of that; 0: not */
 	double shift;   /* along x, metres */
@@ -37,6 +39,8 @@ static double depth_of(double u, double v)
 static void place(const treatment *t, uint32_t cell, double p[3])
 {
 	double u = (cell % COLUMNS - 44.0) / 100.0, v = (cell / COLUMNS - 30.0) / 100.0;
+	u += t->uneven ? 0.003 * sin(7.0 * (cell % COLUMNS)) : 0.0;
+	v += t->rings ? 0.003 * sin(7.0 * (cell / COLUMNS)) : 0.0;
 	double depth = depth_of(u, v);
 	if (t->turns) {
 		p[0] = depth * cos(u) * cos(v);
@@ -57,15 +61,16 @@ static void place(const treatment *t, uint32_t cell, double p[3])
 static scan take(const treatment *t)
 {
 	static const char *const name[3] = { "x", "y", "z" };
-	scan cloud = { .count = CELLS, .up = 'z' };
+	scan cloud = { .count = t->uneven ? 2 * CELLS : CELLS, .up = 'z' };
 	gw_error error = { 0 };
 	for (int k = 0; k < 3; k++)
 		assert_non_null(scan_add_column(&cloud, name[k], SCAN_FLOAT32, &error));
-	for (uint32_t i = 0; i < CELLS; i++) {
+	for (uint32_t k = 0; k < cloud.count; k++) {
+		uint32_t i = k % CELLS;
 		double p[3];
 		place(t, t->shuffled ? (uint32_t)(i * 4001ull % CELLS) : i, p); /* 4001 is prime */
-		for (int k = 0; k < 3; k++)
-			((float *)cloud.column[k].data)[i] = (float)p[k];
+		for (int axis = 0; axis < 3; axis++)
+			((float *)cloud.column[axis].data)[k] = (float)p[axis];
 	}
 	return cloud;
 }
@@ -114,6 +119,23 @@ static void cells_are_found_again(void **state)
 	expect_cells(&(treatment){ .turns = true, .blank = true });
 	/* A hundredth of a cell, which is a hundredth wide, at 2 m: rounded by half of that. */
 	expect_cells(&(treatment){ .rounded = 2e-4 });
+}
+
+/* A laser that turns up and down evenly, on a head that does not, stood at the origin. Where rows
+ * are uneven it may be anything that is round, as if it were turned on a lathe. */
+static void uneven_columns_tell_of_a_scanner(void **state)
+{
+	(void)state;
+	const treatment head = { .turns = true, .uneven = true };
+	scan cloud = take(&head);
+	find(&cloud);
+	assert_int_equal(cloud.image_count, 0);
+	assert_int_equal(cloud.scanner_count, 1);
+	assert_true(cloud.scanner[0] == 0.0 && cloud.scanner[1] == 0.0 && cloud.scanner[2] == 0.0);
+	assert_int_equal(cloud.comment_count, 1);
+	scan_clear(&cloud);
+	expect_none(&(treatment){ .turns = true, .uneven = true, .shift = 0.7 });
+	expect_none(&(treatment){ .turns = true, .rings = true });
 }
 
 /* Where a matrix takes the points to, y need not go down. */
@@ -173,8 +195,11 @@ static void files_know_better(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(cells_are_found_again), cmocka_unit_test(moved_points_say_nothing_of_up),
-		cmocka_unit_test(others_have_none),      cmocka_unit_test(grids_of_points_are_no_picture),
+		cmocka_unit_test(cells_are_found_again),
+		cmocka_unit_test(moved_points_say_nothing_of_up),
+		cmocka_unit_test(uneven_columns_tell_of_a_scanner),
+		cmocka_unit_test(others_have_none),
+		cmocka_unit_test(grids_of_points_are_no_picture),
 		cmocka_unit_test(files_know_better),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

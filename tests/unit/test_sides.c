@@ -416,6 +416,24 @@ static void test_lit_on_other_side(void **state)
 	free(c);
 }
 
+/* A room without a wall or its ceiling, of which a sky would choose the outside. A lamp that stands
+ * in it shows the inside alone. */
+static void test_lamp_in_open_room(void **state)
+{
+	(void)state;
+	const double room[2][3] = { { 0 }, { 6, 3, 2.7 } };
+	const gw_light within = lamp_at(4, 2, 2);
+	uint64_t untrusted;
+	cloud *c = new_cloud();
+	for (int without = 0; without < 6; without++) {
+		c->count = 0;
+		add_box(c, 200, room, without, -1);
+		assert_true(right_share(c, &within, false, &untrusted) > 0.995);
+		assert_int_equal(untrusted, 0);
+	}
+	free(c);
+}
+
 /* The points from `first` on emit. */
 static void let_emit(cloud *c, size_t first)
 {
@@ -648,6 +666,7 @@ int main(void)
 		cmocka_unit_test(test_cave_with_mouth),
 		cmocka_unit_test(test_house_without_back),
 		cmocka_unit_test(test_lit_on_other_side),
+		cmocka_unit_test(test_lamp_in_open_room),
 		cmocka_unit_test(test_given_away_from_scanner),
 		cmocka_unit_test(test_patches_turn),
 		cmocka_unit_test(test_patches_join),
