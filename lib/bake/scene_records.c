@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "bake/options_check.h"
 #include "bake/plan.h"
+#include "light/rows_apart.h"
 #include "octree/compartments.h"
 
 #include <math.h>
@@ -131,6 +132,7 @@ gw_status gw_scene_find_compartments(gw_scene *s, gw_error *error)
 	const gw_record_context on = gw_scene_context(s, &s->records);
 	const gw_record_context further = gw_scene_context(s, &s->further);
 	GW_TRY(gw_compartments_find(s->gpu, &s->surfels, s->options.threads, &s->octree, error));
+	GW_TRY(gw_rows_part(&on, &s->read_back, error));
 	if (s->buffers.hits.facet.handle != VK_NULL_HANDLE)
 		return gw_micro_buffers_shut_out(&on, &s->buffers, error);
 	if (!gw_method_keeps_hits(s->options.method) || s->rays.facet.handle == VK_NULL_HANDLE)

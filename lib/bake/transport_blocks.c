@@ -278,6 +278,8 @@ static void list_records(list *l, gw_scene *scene, const gw_transport_numbers *n
 	uint64_t slots = 2 * (uint64_t)n->leaves, hits = (uint64_t)n->rays * n->records;
 	device(l, "record position", &r->position, 16 * (uint64_t)n->records);
 	device(l, "record normal", &r->normal, 16 * (uint64_t)n->records);
+	index_below(host(l, "facets of records", &r->facet, 4 * (uint64_t)n->records), 0, slots,
+				~GW_RECORD_BACK, 1);
 	index_below(device(l, "facet record", &r->facet_record, 4 * GW_WEIGHTS * slots),
 				VK_FORMAT_R32G32B32A32_UINT, n->records, UINT32_MAX, 1);
 	device(l, "facet weight", &r->facet_weight, 4 * GW_WEIGHTS * slots);

@@ -14,6 +14,8 @@ typedef struct gw_read_back {
 						 empty */
 	uint32_t *record; /* first[count] */
 	float *weight;    /* first[count]; of a row they sum to 1 */
+	uint32_t parted;  /* of so many records it was seen that none is in another compartment than its
+						 row: rows_apart.h */
 } gw_read_back;
 
 /* Finds the rows of all surfels. On success *read_back is owned by the caller. */

@@ -89,24 +89,43 @@ gw_status gw_shut_out_light(const gw_lit_cloud *cloud, const gw_light_push *ligh
 	return status;
 }
 
-gw_status gw_shut_out_label(const gw_record_context *on, uint32_t **label, gw_error *error)
+/* By the places where they stand. */
+static gw_status label_places(const gw_record_context *on, uint32_t *label, gw_error *error)
 {
 	gw_gpu *gpu = on->passes->gpu;
 	uint64_t bytes = 16 * (uint64_t)on->records->count;
 	gw_view place = { 0 }, normal = { 0 };
-	*label = gw_allocate_array(on->records->count, sizeof **label);
-	if (*label == NULL)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %u records", on->records->count);
 	gw_status status = gw_view_open(gpu, &on->records->position, bytes, &place, error);
 	if (status == GW_OK)
 		status = gw_view_open(gpu, &on->records->normal, bytes, &normal, error);
 	const gw_surface_places places = { on->records->count, place.bytes, normal.bytes };
 	if (status == GW_OK)
-		status = gw_compartments_of_places(on->passes, on->octree, &places, *label, error);
+		status = gw_compartments_of_places(on->passes, on->octree, &places, label, error);
 	gw_view_close(&normal);
 	gw_view_close(&place);
-	if (status == GW_OK)
+	return status;
+}
+
+/* A record on the front of a facet looks into what that looks into: where surface of several
+ * compartments lies in one cell, places do not tell. */
+static void label_fronts(const gw_record_context *on, uint32_t *label)
+{
+	const uint32_t *of = gw_compartments_of_facets(on->octree), *facet = on->records->facet;
+	for (size_t i = 0; i < on->records->count && of && facet; i++)
+		if ((facet[i] & GW_RECORD_BACK) == 0 && of[facet[i]] != GW_COMPARTMENT_UNKNOWN)
+			label[i] = of[facet[i]];
+}
+
+gw_status gw_shut_out_label(const gw_record_context *on, uint32_t **label, gw_error *error)
+{
+	*label = gw_allocate_array(on->records->count, sizeof **label);
+	if (*label == NULL)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %u records", on->records->count);
+	gw_status status = label_places(on, *label, error);
+	if (status == GW_OK) {
+		label_fronts(on, *label);
 		return GW_OK;
+	}
 	free(*label);
 	*label = NULL;
 	return status;

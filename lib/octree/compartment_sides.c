@@ -219,10 +219,10 @@ typedef struct votes {
 	uint32_t label[LABELS], count[LABELS], used;
 } votes;
 
-static void vote(votes *v, uint32_t label)
+static void vote(votes *v, uint32_t label, uint32_t times)
 {
 	uint32_t i = 0;
-	if (label == GW_COMPARTMENT_UNKNOWN)
+	if (label == GW_COMPARTMENT_UNKNOWN || times == 0)
 		return;
 	while (i < v->used && v->label[i] != label)
 		i++;
@@ -232,7 +232,7 @@ static void vote(votes *v, uint32_t label)
 		v->label[v->used++] = label;
 		v->count[i] = 0;
 	}
-	v->count[i]++;
+	v->count[i] += times;
 }
 
 static uint32_t winner(const votes *v)
@@ -261,22 +261,49 @@ static bool same_sheet(const float p[3], const float n[3], const float q[3], con
 	return dot(n, m) > ALIKE && fabsf(dot(way, n)) < SHEET_MOST;
 }
 
-/* Adds the votes of a leaf's surfels on a place. */
-static void add_votes(const sight *s, uint32_t leaf, const float place[3], const float normal[3],
-					  int side, votes *v)
+/* What surfels vote on. */
+typedef struct ballot {
+	const float *place, *normal;
+	int side;
+	bool walls; /* those vote that rise over the place's surface, too */
+} ballot;
+
+/* So many votes has a wall: of a sheet nobody knows on which side of it they lie. */
+#define WALL_VOTES 4
+
+/* How many votes a surfel beside a place has that is not of its sheet, where several compartments
+ * are near: a floor may go on in the next room. Where it rises over the place's surface as a wall
+ * does, and the place lies before it, both look into the same compartment. */
+static uint32_t vote_of_wall(const float place[3], const float normal[3], const float q[3],
+							 const float m[3])
 {
+	const float way[3] = { q[0] - place[0], q[1] - place[1], q[2] - place[2] };
+	float facing = dot(normal, m), before = -dot(way, m);
+	if (fabsf(facing) > ALIKE || !(dot(way, normal) > BEHIND_MOST))
+		return 0;
+	return before > 0.0f ? WALL_VOTES : 0;
+}
+
+/* Adds the votes of a leaf's surfels on a place; of walls as well, where several compartments are
+ * near. */
+static void add_votes(const sight *s, uint32_t leaf, const ballot *on, votes *v)
+{
+	const float *place = on->place, *normal = on->normal;
 	for (uint32_t f = s->leaf_fragment[leaf]; f < s->leaf_fragment[leaf + 1]; f++) {
 		uint32_t j = s->fragment_surfel[f] & 0x3fffffffu;
-		if (s->known[2 * (size_t)j + (size_t)side] == GW_COMPARTMENT_UNKNOWN)
+		uint32_t label = s->known[2 * (size_t)j + (size_t)on->side];
+		if (label == GW_COMPARTMENT_UNKNOWN)
 			continue;
 		const float *q = s->position + 4 * (size_t)j, *m = s->normal + 4 * (size_t)j;
 		bool is_voter = s->voters == THOSE_ALIKE  ? dot(normal, m) > ALIKE
 						: s->voters == SAME_SHEET ? q != place && same_sheet(place, normal, q, m)
 						: s->voters == THOSE_IN_SIGHT
-							? side == 0 && see_each_other(place, normal, q, m)
-							: side == 0;
+							? on->side == 0 && see_each_other(place, normal, q, m)
+							: on->side == 0;
 		if (is_voter)
-			vote(v, s->known[2 * (size_t)j + (size_t)side]);
+			vote(v, label, 1);
+		else if (on->walls)
+			vote(v, label, vote_of_wall(place, normal, q, m));
 	}
 }
 
@@ -355,9 +382,11 @@ static void find_neighbourhood(const sight *s, const int32_t cell[3], int side,
 static uint32_t vote_on(const sight *s, const neighbourhood *near, const float place[3],
 						const float normal[3], int side)
 {
+	bool mixed = near->label == MANY;
+	const ballot on = { place, normal, side, mixed && side == 0 && s->voters == SAME_SHEET };
 	votes v = { .used = 0 };
-	for (uint32_t i = 0; i < near->leaves && (near->label == MANY || v.used == 0); i++)
-		add_votes(s, near->leaf[i], place, normal, side, &v);
+	for (uint32_t i = 0; i < near->leaves && (mixed || v.used == 0); i++)
+		add_votes(s, near->leaf[i], &on, &v);
 	return s->voters == ALL_NEAR && v.used > 1 ? GW_COMPARTMENT_UNKNOWN : winner(&v);
 }
 
@@ -641,7 +670,7 @@ gw_status gw_compartments_label_facets(gw_gpu *gpu, gw_octree *octree, gw_error 
 			size_t surfel = fragment[f] & GW_FRAGMENT_SURFEL;
 			if ((fragment[f] & GW_FRAGMENT_ROI) == 0 && !(normal[4 * surfel + 3] > 0.5f))
 				vote(&of[(fragment[f] & GW_FRAGMENT_FACET) != 0],
-					 gw_compartment_of_surfel(octree, surfel, false));
+					 gw_compartment_of_surfel(octree, surfel, false), 1);
 		}
 		label[2 * leaf] = winner(&of[0]);
 		label[2 * leaf + 1] = winner(&of[1]);

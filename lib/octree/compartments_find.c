@@ -295,6 +295,14 @@ static gw_status find_in_coarser(gw_gpu *gpu, const gw_surfels *surfels, uint32_
 	return status;
 }
 
+/* The compartments of facets, which then have no light but theirs. */
+static gw_status label_facets(gw_gpu *gpu, const gw_surfels *surfels, gw_octree *octree,
+							  gw_error *error)
+{
+	GW_TRY(gw_compartments_label_facets(gpu, octree, error));
+	return gw_compartments_part_facets(gpu, surfels, octree, error);
+}
+
 gw_status gw_compartments_find(gw_gpu *gpu, const gw_surfels *surfels, uint32_t threads,
 							   gw_octree *octree, gw_error *error)
 {
@@ -302,11 +310,10 @@ gw_status gw_compartments_find(gw_gpu *gpu, const gw_surfels *surfels, uint32_t 
 	if (known && (octree->facet_compartment || !gw_compartments_several(octree)))
 		return GW_OK;
 	if (known)
-		return gw_compartments_label_facets(gpu, octree, error);
+		return label_facets(gpu, surfels, octree, error);
 	if (surfels->clip && gw_compartments_are_coarser(octree, surfels))
 		GW_TRY(find_in_coarser(gpu, surfels, threads, octree, error));
 	else
 		GW_TRY(find_in_own_cells(gpu, surfels, threads, octree, error));
-	return gw_compartments_several(octree) ? gw_compartments_label_facets(gpu, octree, error)
-										   : GW_OK;
+	return gw_compartments_several(octree) ? label_facets(gpu, surfels, octree, error) : GW_OK;
 }

@@ -90,4 +90,9 @@ void gw_compartments_drop_rest(gw_gpu *gpu, gw_octree *octree);
 /* Fills in octree->facet_compartment from what its surfels look into. There are several. */
 gw_status gw_compartments_label_facets(gw_gpu *gpu, gw_octree *octree, gw_error *error);
 
+/* Takes from each facet those of its surfels that look into another compartment. There are several,
+ * and facets are labelled. */
+gw_status gw_compartments_part_facets(gw_gpu *gpu, const gw_surfels *surfels, gw_octree *octree,
+									  gw_error *error);
+
 #endif

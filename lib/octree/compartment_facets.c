@@ -1,0 +1,145 @@
+/*
+ * compartment_facets.c - facets of surfels that look into several compartments; see compartments.h.
+ *
+ * A leaf has two facets at most. Where a wall is thinner than leaves are wide, and more so where
+ * three of its sides meet, surface of rooms that the wall keeps apart lies in one facet. Its light
+ * would be theirs together, and each would see what shines in the other one. So a facet has the
+ * light of those of its surfels alone that look into its own compartment: the others weigh nothing.
+ */
+#include "octree/compartments_steps.h"
+
+#include "base/memory.h"
+#include "octree/octree_layout.h"
+
+#include <stdlib.h>
+
+/* Facets being parted. */
+typedef struct parting {
+	const gw_surfels *surfels;
+	const gw_octree *octree;
+	const uint32_t *first, *fragment;
+	float *weight;   /* one a fragment */
+	float *centre;   /* 4 a facet, area last */
+	float *emission; /* 4 a facet; NULL where nothing emits */
+	uint32_t parted; /* facets so far */
+} parting;
+
+/* Does a surfel look into another compartment than its facet, to whatever side? */
+static bool looks_elsewhere(const parting *p, size_t surfel, uint32_t label)
+{
+	return gw_compartments_apart(gw_compartment_of_surfel(p->octree, surfel, false), label) &&
+		   gw_compartment_of_surfel(p->octree, surfel, true) != label;
+}
+
+/* Is a fragment a piece of a facet's surface? */
+static bool is_of_facet(uint32_t word, size_t facet)
+{
+	return (word & GW_FRAGMENT_ROI) == 0 && ((word & GW_FRAGMENT_FACET) != 0) == (facet % 2 != 0);
+}
+
+/* Takes its weight from a facet's fragments that are of other compartments. */
+static bool leave_out(const parting *p, size_t facet)
+{
+	uint32_t label = gw_compartments_of_facets(p->octree)[facet];
+	bool any = false;
+	for (uint32_t f = p->first[facet / 2]; f < p->first[facet / 2 + 1]; f++) {
+		if (p->weight[f] == 0.0f || !is_of_facet(p->fragment[f], facet) ||
+			!looks_elsewhere(p, p->fragment[f] & GW_FRAGMENT_SURFEL, label))
+			continue;
+		p->weight[f] = 0.0f;
+		any = true;
+	}
+	return any;
+}
+
+/* Makes a facet's area and emission those of the surfels that still weigh something. */
+static void add_up_again(const parting *p, size_t facet)
+{
+	double sum[4] = { 0 };
+	for (uint32_t f = p->first[facet / 2]; f < p->first[facet / 2 + 1]; f++) {
+		if (!is_of_facet(p->fragment[f], facet))
+			continue;
+		size_t surfel = p->fragment[f] & GW_FRAGMENT_SURFEL;
+		sum[3] += (double)p->weight[f];
+		for (size_t c = 0; c < 3 && p->emission; c++)
+			sum[c] += (double)p->weight[f] * (double)p->surfels->emission[3 * surfel + c];
+	}
+	p->centre[4 * facet + 3] = (float)sum[3];
+	for (size_t c = 0; c < 3 && p->emission; c++)
+		p->emission[4 * facet + c] = sum[3] > 0.0 ? (float)(sum[c] / sum[3]) : 0.0f;
+}
+
+static gw_status part_all(gw_gpu *gpu, parting *p, gw_error *error)
+{
+	const gw_octree *o = p->octree;
+	gw_view first = { 0 }, fragment = { 0 };
+	gw_status status =
+		gw_view_open(gpu, &o->leaf_fragment, 4 * ((uint64_t)o->leaf_count + 1), &first, error);
+	if (status == GW_OK)
+		status = gw_view_open(gpu, &o->fragment_surfel, 4 * (uint64_t)o->fragment_count, &fragment,
+							  error);
+	p->first = first.bytes;
+	p->fragment = fragment.bytes;
+	for (size_t facet = 0; facet < 2 * (size_t)o->leaf_count && status == GW_OK; facet++) {
+		if (!leave_out(p, facet))
+			continue;
+		add_up_again(p, facet);
+		p->parted++;
+	}
+	gw_view_close(&fragment);
+	gw_view_close(&first);
+	return status;
+}
+
+/* What a buffer holds; the caller's, as far as it came. */
+static gw_status fetch(gw_gpu *gpu, const gw_buffer *buffer, float **values, gw_error *error)
+{
+	*values = gw_allocate_array(buffer->bytes, 1);
+	if (!*values)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %s", buffer->name);
+	return gw_buffer_download(gpu, buffer, 0, *values, buffer->bytes, error);
+}
+
+/* Puts values into a new buffer: nothing may write to those that are lent. */
+static gw_status replace(gw_gpu *gpu, VkFormat format, const float *values, gw_buffer *buffer,
+						 gw_error *error)
+{
+	gw_buffer made = { 0 };
+	GW_TRY(gw_buffer_create_unset(
+		gpu, &(gw_buffer_description){ GW_BUFFER_TEXEL, format, buffer->bytes, buffer->name },
+		&made, error));
+	gw_status status = gw_buffer_upload(gpu, &made, 0, values, buffer->bytes, error);
+	gw_buffer_destroy(gpu, status == GW_OK ? buffer : &made);
+	if (status == GW_OK)
+		*buffer = made;
+	return status;
+}
+
+static gw_status put_back(gw_gpu *gpu, const parting *p, gw_octree *octree, gw_error *error)
+{
+	const VkFormat four = VK_FORMAT_R32G32B32A32_SFLOAT;
+	if (p->parted == 0)
+		return GW_OK;
+	GW_TRY(replace(gpu, VK_FORMAT_R32_SFLOAT, p->weight, &octree->fragment_weight, error));
+	GW_TRY(replace(gpu, four, p->centre, &octree->facet_centre, error));
+	return p->emission ? replace(gpu, four, p->emission, &octree->facet_emission, error) : GW_OK;
+}
+
+gw_status gw_compartments_part_facets(gw_gpu *gpu, const gw_surfels *surfels, gw_octree *octree,
+									  gw_error *error)
+{
+	parting p = { .surfels = surfels, .octree = octree };
+	gw_status status = fetch(gpu, &octree->fragment_weight, &p.weight, error);
+	if (status == GW_OK)
+		status = fetch(gpu, &octree->facet_centre, &p.centre, error);
+	if (status == GW_OK && surfels->emission != NULL)
+		status = fetch(gpu, &octree->facet_emission, &p.emission, error);
+	if (status == GW_OK)
+		status = part_all(gpu, &p, error);
+	if (status == GW_OK)
+		status = put_back(gpu, &p, octree, error);
+	free(p.emission);
+	free(p.centre);
+	free(p.weight);
+	return status;
+}
