@@ -18,7 +18,7 @@
 #include <string.h>
 
 #define MAGIC "glowworm transport\n"
-#define VERSION 15u
+#define VERSION 16u
 
 /* Blocks are read and checked in chunks, by all threads. */
 #define CHUNK_BYTES (UINT64_C(1) << 20)
@@ -439,7 +439,9 @@ gw_status gw_transport_load(gw_scene *scene, const gw_points *points, const gw_t
 		gw_buffer_destroy(scene->gpu, &scene->sampled);
 		gw_buffer_destroy(scene->gpu, &scene->sampled_moment);
 	}
-	if (own.emission != h.identity.emission)
+	bool alone = gw_scene_emission_is_alone(scene), other = alone != scene->surfels.emission_alone;
+	scene->surfels.emission_alone = alone;
+	if (own.emission != h.identity.emission || (other && scene->surfels.emission))
 		GW_TRY(gw_scene_replace_emission(scene, points->emission, points->count, error));
 	return gw_scene_complete(scene, points, error);
 }
