@@ -64,6 +64,7 @@ typedef struct gw_surfels {
 	float *normal_length;      /* count, length of the given normal in (0, 1]: spread of the NDF */
 	float *albedo;       /* 3 * count, linear, in [0, GW_ALBEDO_MAX]; the mean of merged points */
 	float *emission;     /* 3 * count, >= 0; NULL when nothing emits */
+	bool emission_alone; /* what emits shows itself and lights nothing: emitters are forbidden */
 	float *transparency; /* count, 1 - opacity, below 1; NULL when all are opaque */
 	float *nearest;      /* count, maximum-norm distance to the nearest other surfel, metres
 							(Salm 4.3.4); infinity for a cloud of one */

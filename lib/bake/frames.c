@@ -46,6 +46,7 @@ static gw_status make_surfels(gw_frames *f, gw_error *error)
 	if (status == GW_OK)
 		status = gw_surfel_parts_make(f->points, f->motion, &options, &f->parts, &f->scene.surfels,
 									  error);
+	f->scene.surfels.emission_alone = gw_scene_emission_is_alone(&f->scene);
 	f->made = status == GW_OK;
 	f->shared_seconds += gw_seconds() - start;
 	return status;

@@ -257,11 +257,17 @@ gw_surfels_options gw_scene_surfels_options(gw_scene *scene, const gw_light *lig
 								 .user = scene };
 }
 
+bool gw_scene_emission_is_alone(const gw_scene *scene)
+{
+	return forbids(&scene->options, GW_EFFECT_EMITTERS) && !scene->options.voxels;
+}
+
 gw_status gw_scene_make_surfels(gw_scene *scene, const gw_scene_description *from, gw_error *error)
 {
 	const gw_surfels_options options =
 		gw_scene_surfels_options(scene, from->lights, from->light_count);
 	GW_TRY(gw_surfels_make(from->points, &options, &scene->surfels, error));
+	scene->surfels.emission_alone = gw_scene_emission_is_alone(scene);
 	gw_report_surfels(scene->report, &scene->surfels, from->points);
 	return GW_OK;
 }

@@ -128,6 +128,9 @@ bool gw_scene_stopped(void *scene);
 /* Opens the device that the options name. */
 gw_status gw_scene_open_device(gw_scene *scene, gw_error *error);
 
+/* Whether what emits shows itself alone: it is to light nothing, and no grid is to show it. */
+bool gw_scene_emission_is_alone(const gw_scene *scene);
+
 /* How surfels of the scene are made, in the light of some lights. */
 gw_surfels_options gw_scene_surfels_options(gw_scene *scene, const gw_light *lights, size_t count);
 

@@ -108,7 +108,7 @@ static gw_status make(gw_scene *scene, const float *emission, size_t points, rep
 	gw_buffer rows = { 0 };
 	if (emission)
 		GW_TRY(merge(&scene->surfels, emission, points, to, error));
-	if (!to->surfels)
+	if (!to->surfels || scene->surfels.emission_alone)
 		return make_texels(scene, 1, "emission of facets", &to->facets, error);
 	gw_status status = average(scene, &rows, to, error);
 	gw_buffer_destroy(scene->gpu, &rows);

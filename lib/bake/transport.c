@@ -440,7 +440,9 @@ gw_status gw_transport_load(gw_scene *scene, const gw_points *points, const gw_t
 		gw_buffer_destroy(scene->gpu, &scene->sampled);
 		gw_buffer_destroy(scene->gpu, &scene->sampled_moment);
 	}
-	if (own.emission != h.identity.emission)
+	bool alone = gw_scene_emission_is_alone(scene), other = alone != scene->surfels.emission_alone;
+	scene->surfels.emission_alone = alone;
+	if (own.emission != h.identity.emission || (other && scene->surfels.emission))
 		GW_TRY(gw_scene_replace_emission(scene, points->emission, points->count, error));
 	return gw_scene_complete(scene, points, error);
 }

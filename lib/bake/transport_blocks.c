@@ -3,6 +3,7 @@
  */
 #include "bake/transport_blocks.h"
 
+#include "cloud/frame.h"
 #include "normals/disc_tree.h"
 #include "light/transport_layout.h"
 #include "octree/compartments.h"
@@ -70,7 +71,7 @@ gw_transport_numbers gw_transport_numbers_of(const gw_scene *scene)
 	n.portals = scene->portals.count;
 	n.escaped = scene->portals.escaped;
 	n.opened = scene->rays.through.handle != VK_NULL_HANDLE;
-	n.emits = s->emission != NULL;
+	n.emits = gw_surfels_emit(s) ? 1 : s->emission ? 2 : 0;
 	n.optional = (s->shading_normal ? NOISY : 0) | (s->shading_normal_off ? OFF : 0) |
 				 (s->albedo_of_point ? POINTS_ALBEDO : 0) | discs_of(scene) |
 				 (scene->sampled_moment.handle ? MOMENTS : 0);
@@ -99,14 +100,14 @@ bool gw_transport_numbers_fit(const gw_transport_numbers *n)
 	return n->surfels > 0 && n->tree_discs <= n->surfels && n->surfels <= 2 * n->points &&
 		   n->points <= POINTS_MAX && n->strays <= n->points && n->depth >= 1 &&
 		   n->depth <= GW_DEPTH_MAX && n->directory_level == directory && n->rays > 0 &&
-		   n->rays <= 4096 && (uint64_t)n->rays * n->records <= UINT32_MAX && n->emits <= 1 &&
+		   n->rays <= 4096 && (uint64_t)n->rays * n->records <= UINT32_MAX && n->emits <= 2 &&
 		   n->looked <= 1 && n->portals <= GW_PORTALS_MOST && n->opened == (n->portals > 0) &&
 		   n->optional <= (NOISY | OFF | POINTS_ALBEDO | CUT | BENT | CREASED | MOMENTS) &&
 		   (!(n->optional & MOMENTS) || n->light_samples > 0) && n->check_points <= n->surfels &&
 		   n->check_point_rays <= 4096 &&
-		   n->check_points_lit <= (n->emits && n->check_points > 0) && isfinite(n->leaf_size) &&
-		   n->leaf_size > 0.0f && n->block_level < n->depth && n->leaves > 0 &&
-		   n->leaves <= INT32_MAX / 2 && n->dark_slot <= 2 * n->leaves &&
+		   n->check_points_lit <= (n->emits == 1 && n->check_points > 0) &&
+		   isfinite(n->leaf_size) && n->leaf_size > 0.0f && n->block_level < n->depth &&
+		   n->leaves > 0 && n->leaves <= INT32_MAX / 2 && n->dark_slot <= 2 * n->leaves &&
 		   isfinite(n->wanted_leaf_size) &&
 		   memchr(n->why_coarser, 0, sizeof n->why_coarser) != NULL &&
 		   (uint64_t)n->tiles * 8 < UINT32_MAX && (uint64_t)n->leaf_tiles * 8 < UINT32_MAX;
@@ -119,6 +120,7 @@ void gw_transport_numbers_restore(const gw_transport_numbers *n, gw_scene *scene
 	*s = (gw_surfels){ .count = (size_t)n->surfels,
 					   .point_count = (size_t)n->points,
 					   .stray_count = (size_t)n->strays,
+					   .emission_alone = n->emits == 2,
 					   .spacing = n->spacing,
 					   .given_area = n->given_area };
 	*o = (gw_octree){ .depth = n->depth,
@@ -257,7 +259,7 @@ static void list_leaves(list *l, gw_octree *o, const gw_transport_numbers *n)
 	device(l, "planes of facets", &o->facet_plane, facets);
 	device(l, "centroids of facets", &o->facet_centre, facets);
 	device(l, "albedos of facets", &o->facet_albedo, facets);
-	device(l, "emission of facets", &o->facet_emission, n->emits ? facets : 16);
+	device(l, "emission of facets", &o->facet_emission, n->emits == 1 ? facets : 16);
 	words(l, "fragments of leaves", &o->leaf_fragment, 4 * ((uint64_t)n->leaves + 1),
 		  (uint64_t)n->fragments + 1);
 	index_below(device(l, "surfels of fragments", &o->fragment_surfel, 4 * (uint64_t)n->fragments),

@@ -497,6 +497,11 @@ gw_status gw_frame_make(const gw_points *points, const gw_surfels_options *optio
 	return status;
 }
 
+bool gw_surfels_emit(const gw_surfels *s)
+{
+	return s->emission != NULL && !s->emission_alone;
+}
+
 size_t gw_surfels_count_clear(const gw_surfels *s)
 {
 	size_t count = 0;

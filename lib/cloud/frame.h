@@ -32,6 +32,9 @@ gw_status gw_frame_make(const gw_points *points, const gw_surfels_options *optio
  */
 gw_status gw_frame_keep_albedo(const gw_points *points, gw_surfels *surfels, gw_error *error);
 
+/* Whether what surfels emit lights others. */
+bool gw_surfels_emit(const gw_surfels *surfels);
+
 /* How many surfels let light through. */
 size_t gw_surfels_count_clear(const gw_surfels *surfels);
 

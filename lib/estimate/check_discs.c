@@ -303,7 +303,8 @@ static void hit_disc(const gw_check_disc *d, walk *w)
 	gw_vec3 at = gw_plus(from, gw_times(ray->direction, t));
 	float squared = gw_dot(at, at);
 	bool own = t < ray->own && fabsf(gw_dot(d->normal, ray->facing)) > ALIKE;
-	if (squared > d->large || (own && approach > 0.0f))
+	bool other = d->transparency > 0.0f && -gw_dot(d->normal, from) >= d->spacing;
+	if (squared > d->large || (own && approach > 0.0f && !other))
 		return;
 	bool small = squared <= d->small && !is_cut_off(d, at) &&
 				 !(own && ray->both_sides && gw_dot(d->normal, from) < RISE * sqrtf(d->small));

@@ -9,6 +9,7 @@
 #include "estimate/geometry_error.h"
 #include "base/luminance.h"
 #include "base/memory.h"
+#include "cloud/frame.h"
 #include "normals/normal_error.h"
 #include "base/parallel.h"
 #include "estimate/check_point_choice.h"
@@ -190,9 +191,10 @@ static gw_status close_gaps(const gw_estimate_task *task, const gw_ray_gather *r
 	if (!first && !mean)
 		return GW_OK;
 	GW_TRY(gw_gap_light_find(&look, &gap, error));
-	gw_status status = first ? gw_gap_light_close(&on, gap, mean ? NULL : fill,
-												  !task->surfels->emission, &place->gathered, error)
-							 : gw_gap_light_fill(&on, gap, &place->gathered, error);
+	gw_status status =
+		first ? gw_gap_light_close(&on, gap, mean ? NULL : fill, !gw_surfels_emit(task->surfels),
+								   &place->gathered, error)
+			  : gw_gap_light_fill(&on, gap, &place->gathered, error);
 	free(gap);
 	return status;
 }
@@ -382,7 +384,7 @@ static void add_emission(const gw_estimate_task *task, const estimate *e, double
 	const gw_surfels *s = task->surfels;
 	double sent = 0.0, first = 0.0, lamps = 0.0, square = 0.0;
 	size_t used = 0;
-	if (!task->records || !s->emission || !(mean > 0.0))
+	if (!task->records || !gw_surfels_emit(s) || !(mean > 0.0))
 		return;
 	for (size_t i = 0; i < s->count; i++) {
 		double area = (double)s->area[i];

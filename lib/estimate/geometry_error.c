@@ -8,6 +8,7 @@
 #include "light/direct_light.h"
 #include "base/luminance.h"
 #include "base/memory.h"
+#include "cloud/frame.h"
 #include "base/parallel.h"
 #include "estimate/check_point_choice.h"
 #include "light/shader_functions.h"
@@ -94,7 +95,9 @@ static double sky_light(const check *c, gw_vec3 d)
 
 static double emission_of(const gw_surfels *s, uint32_t surfel)
 {
-	return surfel == GW_NONE || !s->emission ? 0.0 : gw_luminance(s->emission + 3 * (size_t)surfel);
+	return surfel == GW_NONE || !gw_surfels_emit(s)
+			   ? 0.0
+			   : gw_luminance(s->emission + 3 * (size_t)surfel);
 }
 
 /* Is a surfel one of those that a facet is the mean of? */
@@ -428,12 +431,12 @@ static gw_status open_records(const gw_geometry_task *t, views *v, gw_error *err
 		gw_view_open(t->gpu, &t->rays->distance, records / 4 * t->rays->rays, &v->distance, error));
 	if (t->facet_radiance)
 		GW_TRY(gw_view_open(t->gpu, t->facet_radiance, slots, &v->reflected, error));
-	if (t->surfels->emission)
+	if (gw_surfels_emit(t->surfels))
 		GW_TRY(gw_view_open(t->gpu, &o->facet_emission, slots, &v->emission, error));
-	if (t->surfels->emission)
+	if (gw_surfels_emit(t->surfels))
 		GW_TRY(gw_view_open(t->gpu, &o->leaf_fragment, 4 * ((uint64_t)o->leaf_count + 1), &v->first,
 							error));
-	if (t->surfels->emission)
+	if (gw_surfels_emit(t->surfels))
 		GW_TRY(gw_view_open(t->gpu, &o->fragment_surfel, 4 * (uint64_t)o->fragment_count,
 							&v->fragment, error));
 	if (m && m->width > 0)

@@ -5,6 +5,7 @@
 #include "octree/octree_steps.h"
 
 #include "base/memory.h"
+#include "cloud/frame.h"
 #include "octree/trace_constants.h"
 
 #include <assert.h>
@@ -143,7 +144,7 @@ static gw_status upload_arrays(gw_octree_work *work, int count, float *chunk, gw
 	};
 	uint64_t bytes = 16 * (uint64_t)work->surfels->count;
 	for (int i = 0; i < count; i++) {
-		bool there = i < 6 || work->surfels->emission != NULL;
+		bool there = i < 6 || gw_surfels_emit(work->surfels);
 		if (!there) {
 			GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32G32B32A32_SFLOAT, 16, array[i].name,
 									array[i].buffer, error));

@@ -5,6 +5,7 @@
 #include "octree/octree_steps.h"
 
 #include "base/memory.h"
+#include "cloud/frame.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -33,7 +34,7 @@ static gw_status create_leaves(gw_octree_work *work, gw_error *error)
 	gw_octree *octree = work->octree;
 	uint64_t leaves = octree->leaf_count, cells = UINT64_C(1) << 3 * octree->directory_level;
 	VkFormat floats = VK_FORMAT_R32G32B32A32_SFLOAT;
-	uint64_t emission = work->surfels->emission != NULL ? 32 * leaves : 16;
+	uint64_t emission = gw_surfels_emit(work->surfels) ? 32 * leaves : 16;
 	const gw_octree_part part[] = {
 		{ &octree->leaf_geometry, floats, 32 * leaves, "geometry of leaves" },
 		{ &octree->facet_plane, floats, 32 * leaves, "planes of facets" },
@@ -225,7 +226,7 @@ gw_status gw_octree_reduce_leaves(gw_octree_work *work, gw_error *error)
 	GW_TRY(create_leaves(work, error));
 	gw_leaves_push push = {
 		.leaves = octree->leaf_count,
-		.emissive = work->surfels->emission != NULL,
+		.emissive = gw_surfels_emit(work->surfels),
 		.depth = octree->depth,
 		.directory_level = octree->directory_level,
 	};

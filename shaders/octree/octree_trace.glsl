@@ -83,9 +83,10 @@ float plane_overlap_for(float approach)
  *
  * Near its start a ray meets the surface it leaves: planes bent by noise, and at convex edges
  * planes that stick out of their cells' surface. So within GW_NEAR cells a plane counts only if its
- * facet's centre lies above the tangent plane of that surface, and only its front side. A plane
- * that is not like that surface, as the wall at whose foot it ends, is not one of its own: there
- * GW_NEAR_HEIGHT is less, since the floor may leave but a strip of the wall in its cell.
+ * facet's centre lies above the tangent plane of that surface, and only its front side, or the back
+ * of another sheet that lets light through. A plane that is not like that surface, as the wall at
+ * whose foot it ends, is not one of its own: there GW_NEAR_HEIGHT is less, since the floor may
+ * leave but a strip of the wall in its cell.
  *
  * Seen from in front a plane may reach far beyond its cell, since what lies behind the surface is
  * dark anyway; seen from behind it would stick out over convex edges and shadow them.
@@ -102,7 +103,8 @@ bool meets_plane(IN(Ray) ray, IN(Stretch) stretch, IN(Passage) own, INOUT(Hit) h
 	if (beyond > plane_overlap_for(own.approach))
 		return false;
 	if (distance < GW_NEAR &&
-		(own.approach > 0.0f || !rises_over_start(ray, own, dot(own.normal, ray.facing))))
+		(own.approach > 0.0f ? !lies_over_start(ray, own.facet, own.rise)
+							 : !rises_over_start(ray, own, dot(own.normal, ray.facing))))
 		return false;
 	if (is_passed(ray, own.normal, distance))
 		return false;

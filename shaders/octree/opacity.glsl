@@ -82,6 +82,19 @@ bool stops_from_behind(uint facet)
 	return dark_slot != 0u && transparency_of(facet) > 0.0f;
 }
 
+/* Is what shows its back to a ray, so near to where that starts, another sheet that lets light
+ * through? Then its start lies as far behind it as points lie apart, which noise does not do. */
+bool lies_over_start(IN(Ray) ray, uint facet, float behind)
+{
+	if (!stops_from_behind(facet))
+		return false;
+	uint first = texelFetch(leaf_fragment, int(facet >> 1)).x;
+	uint surfel = texelFetch(fragment_surfel, int(first)).x & 0x3fffffffu;
+	float least = max(GW_OVER_CELLS, sqrt(texelFetch(surfel_disc, int(surfel)).y));
+	vec3 middle = texelFetch(facet_centre, int(facet)).xyz;
+	return behind >= least && dot(ray.facing, middle) - dot(ray.facing, ray.foot) >= least;
+}
+
 /* Has the ray passed what it meets there already? */
 bool is_passed(IN(Ray) ray, vec3 normal, float t)
 {
@@ -111,6 +124,11 @@ void pass_sheet(IN(Hit) hit)
 #else
 
 bool stops_from_behind(uint)
+{
+	return false;
+}
+
+bool lies_over_start(IN(Ray), uint, float)
 {
 	return false;
 }

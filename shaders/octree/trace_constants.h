@@ -96,6 +96,10 @@
 #define GW_SHEET_CELLS 1.0f
 #define GW_SHEET_SPACINGS 1.5f
 
+/* And near its start a ray meets backs of what lies so many leaf cells over that at least, and the
+ * distance between points there. */
+#define GW_OVER_CELLS 0.5f
+
 /* What w of the albedo of a facet that is foliage is, without its clear share, which all foliage
  * has: its area is so much more than that of its leaves. In cells that have other surface, too, it
  * weighs so little that it does not turn or move that, unless the facet is all foliage. */

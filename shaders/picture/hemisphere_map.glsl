@@ -19,12 +19,21 @@ vec3 hemisphere_direction(vec2 place)
 		   vec3(0.0f, 0.0f, 1.0f - r * r);
 }
 
+/* The arc tangent of 0 to 1, to 1e-5 (Abramowitz and Stegun, Handbook of Mathematical Functions,
+ * 4.4.49): a pixel asks for some 400, which otherwise take half of its time. */
+float arc_tangent(float t)
+{
+	float t2 = t * t;
+	return t * (0.9998660f +
+				t2 * (-0.3302995f + t2 * (0.1801410f + t2 * (-0.0851330f + t2 * 0.0208351f))));
+}
+
 /* The place of a direction; of one below the horizon that of the horizon under it. */
 vec2 hemisphere_place(vec3 d)
 {
 	float x = abs(d.x), y = abs(d.y), more = max(x, y);
 	float r = sqrt(max(0.0f, 1.0f - max(d.z, 0.0f)));
-	float other = more > 0.0f ? r * (4.0f / GW_PI) * atan(min(x, y), more) : 0.0f;
+	float other = more > 0.0f ? r * (4.0f / GW_PI) * arc_tangent(min(x, y) / more) : 0.0f;
 	float a = x > y ? r : other, b = x > y ? other : r;
 	return vec2(0.5f + (d.x < 0.0f ? -0.5f : 0.5f) * a, 0.5f + (d.y < 0.0f ? -0.5f : 0.5f) * b);
 }

@@ -95,22 +95,46 @@ void find_frames(vec3 g)
 	}
 }
 
-/* A level of a cache at a place, between the middles of four texels. */
-vec4 read_level(uint cache, uint level, vec2 place)
+/* Four texels of a level, between whose middles a place is: the first of them, steps to the one on
+ * the right and the one below, and how far the place is from the first towards these. */
+struct Quad {
+	int at, right, below;
+	float across, down;
+};
+
+Quad quad_at(uint cache, uint level, vec2 place)
 {
 	uint side = GW_CACHE_SIDE >> level;
 	float most = float(side - 1u);
 	float x = clamp(place.x * float(side) - 0.5f, 0.0f, most);
 	float y = clamp(place.y * float(side) - 0.5f, 0.0f, most);
-	uint column = uint(x), row = uint(y), right = column + 1u < side ? 1u : 0u;
-	uint below = row + 1u < side ? side : 0u;
-	int at = int(cache * GW_CACHE_TEXELS + cache_level_first(level) + row * side + column);
-	vec4 upper = mix(texelFetch(cache_texel, at), texelFetch(cache_texel, at + int(right)),
-					 x - float(column));
-	at += int(below);
-	vec4 lower = mix(texelFetch(cache_texel, at), texelFetch(cache_texel, at + int(right)),
-					 x - float(column));
-	return mix(upper, lower, y - float(row));
+	uint column = uint(x), row = uint(y);
+	uint first = cache * GW_CACHE_TEXELS + cache_level_first(level);
+	Quad quad = { int(first + row * side + column), column + 1u < side ? 1 : 0,
+				  row + 1u < side ? int(side) : 0, x - float(column), y - float(row) };
+	return quad;
+}
+
+/* The radiance of a level of a cache at a place. */
+vec3 read_radiance(uint cache, uint level, vec2 place)
+{
+	Quad q = quad_at(cache, level, place);
+	vec3 upper = mix(vec3(texelFetch(cache_texel, q.at).xyz),
+					  vec3(texelFetch(cache_texel, q.at + q.right).xyz), q.across);
+	vec3 lower = mix(vec3(texelFetch(cache_texel, q.at + q.below).xyz),
+					  vec3(texelFetch(cache_texel, q.at + q.below + q.right).xyz), q.across);
+	return mix(upper, lower, q.down);
+}
+
+/* The inverse of the distance that it comes from. */
+float read_inverse(uint cache, uint level, vec2 place)
+{
+	Quad q = quad_at(cache, level, place);
+	return mix(
+		mix(texelFetch(cache_texel, q.at).w, texelFetch(cache_texel, q.at + q.right).w, q.across),
+		mix(texelFetch(cache_texel, q.at + q.below).w,
+			texelFetch(cache_texel, q.at + q.below + q.right).w, q.across),
+		q.down);
 }
 
 /* What a cache knows of a direction from a place `off` it, both in its own frame: the radiance
@@ -118,15 +142,15 @@ vec4 read_level(uint cache, uint level, vec2 place)
  * the cache sees it elsewhere. */
 vec4 look(uint cache, vec3 off, vec3 way, float level)
 {
-	float inverse = read_level(cache, 1u, hemisphere_place(way)).w;
+	float inverse = read_inverse(cache, 1u, hemisphere_place(way));
 	vec3 turned = normalize(way + off * inverse);
 	vec2 place = hemisphere_place(turned);
 	uint fine = uint(level);
 	float between = level - float(fine);
-	vec4 seen = read_level(cache, fine, place);
+	vec3 seen = read_radiance(cache, fine, place);
 	if (between > 0.01f)
-		seen = mix(seen, read_level(cache, fine + 1u, place), between);
-	return vec4(seen.xyz, clamp(4.0f * turned.z, 0.001f, 1.0f));
+		seen = mix(seen, read_radiance(cache, fine + 1u, place), between);
+	return vec4(seen, clamp(4.0f * turned.z, 0.001f, 1.0f));
 }
 
 /* What all of them know. */
