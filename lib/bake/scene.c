@@ -259,7 +259,7 @@ gw_surfels_options gw_scene_surfels_options(gw_scene *scene, const gw_light *lig
 
 bool gw_scene_emission_is_alone(const gw_scene *scene)
 {
-	return forbids(&scene->options, GW_EFFECT_EMITTERS) && !scene->options.voxels;
+	return gw_options_forbid(&scene->options, GW_EFFECT_EMITTERS) && !scene->options.voxels;
 }
 
 gw_status gw_scene_make_surfels(gw_scene *scene, const gw_scene_description *from, gw_error *error)
