@@ -195,7 +195,7 @@ static double read_one(const float irradiance[4], const float moment[8], double 
 	float weight = 1.0f, surfel[4];
 	const float up[4] = { 0, 0, 1, 1 };
 	const float normal[3] = { (float)sin(angle), 0, (float)cos(angle) };
-	const gw_read_back rows = { 1, first, &record, &weight };
+	const gw_read_back rows = { .count = 1, .first = first, .record = &record, .weight = &weight };
 	const gw_directed_light light = { irradiance, moment, up, normal, 1 };
 	gw_error error = { 0 };
 	assert_int_equal(gw_read_back_apply_directed(&rows, &light, 1, surfel, &error), GW_OK);
@@ -228,7 +228,7 @@ static void turn_is_the_root_of_the_mean_square(void **state)
 	const float normal[6] = { 0, 0, 1, sqrtf(0.75f), 0, 0.5f };
 	uint32_t first[3] = { 0, 1, 2 }, record[2] = { 0, 0 };
 	float weight[2] = { 1, 1 };
-	const gw_read_back rows = { 2, first, record, weight };
+	const gw_read_back rows = { .count = 2, .first = first, .record = record, .weight = weight };
 	double turn = gw_read_back_turn(&rows, up, normal, 1);
 	assert_true(fabs(turn - sqrt(0.75 / 2.0)) <= 0x1p-22);
 }

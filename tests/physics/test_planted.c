@@ -1,7 +1,9 @@
 /* Faults planted in the octree, which rays through it do not notice: the bake has to say how wrong
  * they make the light, and to say nothing where there are none. */
 #include "base/luminance.h"
-#include "bake/lighting.h"
+#include "bake/lighting_error.h"
+#include "bake/lighting_steps.h"
+#include "bake/record_steps.h"
 #include "random_numbers.h"
 #include "scenes.h"
 #include "expected.h"
