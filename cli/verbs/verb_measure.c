@@ -69,6 +69,12 @@ static gw_status measure(const settings *s, const measure_region *region, gw_err
 gw_status verb_measure(const settings *s, gw_error *error)
 {
 	measure_region region;
+	if (s->input_count > 1)
+		return gw_fail(
+			error, GW_ERROR_USAGE,
+			"measure takes one lit cloud, but '%s' stands after it; a box or a path is one "
+			"argument: --box X,Y,Z,X,Y,Z, --path 'X,Y,Z X,Y,Z'",
+			s->input[1].path);
 	if (s->input_count != 1)
 		return gw_fail(error, GW_ERROR_USAGE, "measure what? Name one lit cloud, or -");
 	GW_TRY(measure_region_read(s->measure_box, s->measure_path, (double)s->measure_reach, &region,

@@ -42,3 +42,5 @@ glowworm measure dark.ply 2>&1
 echo "exit $?"
 glowworm measure 2>&1
 echo "exit $?"
+glowworm measure lit.ply --path 0,0,0 0.2,0,0 2>&1
+echo "exit $?"
