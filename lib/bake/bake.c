@@ -127,19 +127,11 @@ static gw_status light_directly(bake *b, gw_error *error)
 	return GW_OK;
 }
 
-static gw_status bake_half(const gw_scene_description *scene, const gw_bake_options *options,
-						   gw_gpu **device, const gw_bake_callbacks *callbacks,
-						   gw_bake_result **result, gw_error *error)
-{
-	const gw_bake_manner manner = { .device = device };
-	return gw_bake_once(scene, options, manner, callbacks, result, error);
-}
-
 static gw_status foretell_halves(bake *b, const gw_bake_result *light, gw_error *error)
 {
 	const gw_scene_description scene = { b->points, b->light.lights, b->light.light_count };
-	const gw_half_forecast_task task = { bake_half, &scene, &b->scene.options, &b->scene.callbacks,
-										 b->scene.gpu };
+	const gw_half_forecast_task task = { gw_bake_on_device, &scene, &b->scene.options,
+										 &b->scene.callbacks, b->scene.gpu };
 	return gw_half_forecast_add(&task, light, b->report, error);
 }
 
@@ -760,4 +752,12 @@ gw_status gw_plan_bake(const gw_scene_description *scene, const gw_bake_options 
 	const gw_bake_options effective = gw_options_effective(options);
 	const gw_bake_manner planning = { .planning = true };
 	return gw_bake_once(scene, &effective, planning, callbacks, plan, error);
+}
+
+gw_status gw_bake_on_device(const gw_scene_description *scene, const gw_bake_options *options,
+							gw_gpu **device, const gw_bake_callbacks *callbacks,
+							gw_bake_result **result, gw_error *error)
+{
+	const gw_bake_manner manner = { .device = device };
+	return gw_bake_once(scene, options, manner, callbacks, result, error);
 }

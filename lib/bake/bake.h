@@ -26,4 +26,9 @@ gw_status gw_bake_once(const gw_scene_description *scene, const gw_bake_options 
 					   gw_bake_manner manner, const gw_bake_callbacks *callbacks,
 					   gw_bake_result **result, gw_error *error);
 
+/* The same by itself on a device, as in the manner: a gw_half_bake. */
+gw_status gw_bake_on_device(const gw_scene_description *scene, const gw_bake_options *options,
+							struct gw_gpu **device, const gw_bake_callbacks *callbacks,
+							gw_bake_result **result, gw_error *error);
+
 #endif

@@ -1,5 +1,6 @@
 /* Points that are no such surface as is made of them: the bake has to say how wrong that makes the
  * light, and clean points take no longer and state no more. */
+#include "bake/bake.h"
 #include "bake/half_forecast.h"
 #include "base/hash.h"
 #include "base/luminance.h"
@@ -197,7 +198,7 @@ static foretold_halves foretell_halves(const gw_points *points, uint64_t memory,
 	assert_int_equal(gw_gpu_create(&(gw_gpu_options){ .device = NULL }, &gpu, &error), GW_OK);
 	assert_int_equal(gw_buffer_create(gpu, &megabyte, &taken, &error), GW_OK);
 	options.memory = memory;
-	const gw_half_forecast_task task = { &whole, &options, &callbacks, gpu };
+	const gw_half_forecast_task task = { gw_bake_on_device, &whole, &options, &callbacks, gpu };
 	h.status = gw_half_forecast_add(&task, light, &h.report, &error);
 	h.account = gw_gpu_read_account(gpu);
 	gw_buffer_destroy(gpu, &taken);
