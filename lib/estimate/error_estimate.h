@@ -48,7 +48,7 @@ typedef struct gw_estimate_task {
 	const float *indirect;        /* 4 a surfel ... and reflected */
 	uint32_t rays, light_samples; /* of a record, above 0 */
 	uint32_t points, seed;        /* how many points are solved again, and of their draw */
-	uint32_t threads;             /* of the host; 0: one a core */
+	uint32_t threads;             /* of the CPU; 0: one a core  */
 	const gw_light *lights;       /* light_count: what shines */
 	size_t light_count;
 	const gw_bake_options *options;
