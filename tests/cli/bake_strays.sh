@@ -7,10 +7,11 @@ glowworm convert rooms.ply rooms.csv 2>/dev/null
 awk -F, 'NR == 1 { print; next } { printf "%.6f,%.6f,%.6f", $1 + 500000, $2 + 5300000, $3 + 400
 	for (i = 4; i <= NF; i++) printf ",%s", $i
 	print "" }' rooms.csv >clean.csv
-# In the middle of the room.
+# In the middle of the room that is lit. The two far away are nearest to that, too: the other room
+# is dark.
 awk -F, 'BEGIN { srand(5) } NR == 1 { print; next } NR == 2 { split($0, first, ",")
 	for (i = 0; i < 22; i++) {
-		printf i == 20 ? "0,0,0" : i == 21 ? "1e9,5300000,400" : "%.6f,%.6f,%.6f",
+		printf i == 20 ? "0,0,0" : i == 21 ? "-1e9,5300000,400" : "%.6f,%.6f,%.6f",
 			500000.4 + 1.2 * rand(), 5300000.4 + 1.2 * rand(), 400.4 + 1.2 * rand()
 		for (k = 4; k <= NF; k++) printf ",%s", (k > NF - 3 ? 0 : first[k])
 		print "" } }
