@@ -20,8 +20,11 @@
  * Of a scanner whose columns are of uneven widths, as of a laser on a head that does not turn
  * evenly, the place is added alone, with a note. A scan with images or several scanners stays as it
  * is, and so do one whose points are no longer in the frame of who took them, and one whose
- * coordinates are rounded to more than about a hundredth of a cell. moved   the points will be
- * moved to where they belong, or stand among others: which way is up is then not for them to say
+ * coordinates are rounded to more than about a hundredth of a cell.
+ *
+ *   moved   the points will be moved to where they belong, or stand among others: which way is up
+ *           is then not for them to say
+ *
  * GW_ERROR_MEMORY.
  */
 gw_status scan_find_rows(scan *scan, bool moved, gw_error *error);
