@@ -34,7 +34,8 @@ void gw_compartments_destroy(gw_compartments **compartments)
 	*compartments = NULL;
 }
 
-uint32_t gw_compartment_leaf_tile(const gw_compartments *c, const int32_t at[3])
+/* The leaf tile of a cell plus one, 0 where there is none, or GW_WALL. */
+static uint32_t find_leaf_tile(const gw_compartments *c, const int32_t at[3])
 {
 	uint32_t tile = 1;
 	for (uint32_t shift = c->depth - 1; shift > 0 && tile != 0 && tile != GW_WALL; shift--) {
@@ -42,7 +43,21 @@ uint32_t gw_compartment_leaf_tile(const gw_compartments *c, const int32_t at[3])
 						  (uint32_t)(at[2] >> shift & 1) << 2;
 		tile = c->child[8 * (tile - 1) + octant];
 	}
+	return tile;
+}
+
+uint32_t gw_compartment_leaf_tile(const gw_compartments *c, const int32_t at[3])
+{
+	uint32_t tile = find_leaf_tile(c, at);
 	return tile == GW_WALL ? 0 : tile;
+}
+
+bool gw_compartment_lies_in_wall(const gw_compartments *c, const int32_t at[3])
+{
+	for (int k = 0; k < 3; k++)
+		if (at[k] < 0 || at[k] >= 1 << c->depth)
+			return false;
+	return find_leaf_tile(c, at) == GW_WALL;
 }
 
 uint32_t gw_compartment_of_cell(const gw_compartments *c, const int32_t at[3])

@@ -261,6 +261,8 @@ static gw_status find_in_own_cells(gw_gpu *gpu, const gw_surfels *surfels, uint3
 	if (status == GW_OK)
 		status = gw_compartments_close_sparse(gpu, octree, surfels, c, error);
 	if (status == GW_OK)
+		status = gw_compartments_close_voids_again(gpu, octree, c, error);
+	if (status == GW_OK)
 		status = join_all(octree, c, error);
 	if (status == GW_OK && is_any_apart(c, 0, root))
 		status = gw_compartments_find_sides(gpu, octree, surfels->count, threads, c, error);

@@ -46,6 +46,9 @@ void gw_compartments_drop_cells(gw_compartments *c);
 /* Which compartment a cell of leaves lies in; GW_COMPARTMENT_UNKNOWN for those of surface. */
 uint32_t gw_compartment_of_cell(const gw_compartments *c, const int32_t cell[3]);
 
+/* Does a cell of leaves lie in a wall of wider cells? */
+bool gw_compartment_lies_in_wall(const gw_compartments *c, const int32_t cell[3]);
+
 /* The leaf tile of a cell plus one, or 0. */
 uint32_t gw_compartment_leaf_tile(const gw_compartments *c, const int32_t cell[3]);
 
@@ -78,6 +81,10 @@ gw_status gw_compartments_wall_discs(gw_gpu *gpu, const gw_octree *octree,
 /* Makes walls of the voids in surface. */
 gw_status gw_compartments_close_voids(gw_gpu *gpu, const gw_octree *octree, gw_compartments *c,
 									  gw_error *error);
+
+/* The same of leaves, once walls of wider cells are made. */
+gw_status gw_compartments_close_voids_again(gw_gpu *gpu, const gw_octree *octree,
+											gw_compartments *c, gw_error *error);
 
 /* Fills in c->sides, or leaves it empty. */
 gw_status gw_compartments_find_sides(gw_gpu *gpu, const gw_octree *octree, size_t surfels,
