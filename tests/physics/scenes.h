@@ -54,6 +54,10 @@ void scene_add_box(scene *s, const double corner[3], const double size[3], doubl
  */
 void scene_make_hall(scene *s);
 
+/* The same hall of about 3000 points, for what does not ask how well they are lit: relations between
+ * bakes, and what they run. */
+void scene_make_small_hall(scene *s);
+
 /* A cube of 1 m from the origin on, grey, closed but for a square hole of 0.25 m in the middle of
  * its ceiling; 32 points a metre, the 1024 of the floor first. */
 void scene_make_cellar(scene *s);

@@ -375,7 +375,7 @@ static gw_bake_result *bake_hall(const gw_light *light, size_t lights,
 								 const gw_bake_options *options)
 {
 	scene hall = { 0 };
-	scene_make_hall(&hall);
+	scene_make_small_hall(&hall);
 	const gw_points points = scene_points(&hall);
 	gw_bake_result *result = scene_bake(&points, light, lights, options);
 	scene_clear(&hall);
@@ -521,7 +521,7 @@ static void frames_both_ways(void **state)
 	gw_frames *frames = NULL;
 	gw_error error = { 0 };
 	(void)state;
-	scene_make_hall(&s);
+	scene_make_small_hall(&s);
 	const gw_mover ball = { .first = s.count, .count = 300 };
 	scene_add_sphere(&s, (double[3]){ 1, 2, 1 }, 0.25, ball.count, 1, 0.5f);
 	for (size_t i = 0; i < FRAMES; i++) {
