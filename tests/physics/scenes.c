@@ -206,6 +206,14 @@ void scene_choose_passes(gw_pass_choice *passes, gw_validation *validate)
 			*validate = (gw_validation)i;
 }
 
+bool scene_by_shaders(void)
+{
+	gw_pass_choice passes = GW_PASSES_AUTO;
+	gw_validation validate = GW_VALIDATE_NOTHING;
+	scene_choose_passes(&passes, &validate);
+	return passes == GW_PASSES_DEVICE;
+}
+
 gw_bake_result *scene_bake(const gw_points *points, const gw_light *lights, size_t light_count,
 						   const gw_bake_options *options)
 {

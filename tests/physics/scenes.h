@@ -75,6 +75,10 @@ void scene_clear(scene *s);
  */
 void scene_choose_passes(gw_pass_choice *passes, gw_validation *validate);
 
+/* Whether it says that bakes are by shaders, which takes many times as long: what differs in numbers
+ * alone is left to the CPU kernels then, which have the same text. */
+bool scene_by_shaders(void);
+
 /* Bakes, as scene_choose_passes says; the result is freed by the caller with
  * gw_bake_result_destroy. */
 gw_bake_result *scene_bake(const gw_points *points, const gw_light *lights, size_t light_count,
