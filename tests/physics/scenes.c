@@ -143,26 +143,38 @@ void scene_emit(scene *s, size_t first, const float radiance[3])
 		memcpy(&s->emission[3 * i], radiance, 3 * sizeof(float));
 }
 
-void scene_make_hall(scene *s)
+/* So many points a metre along each edge of the walls, as near as comes. */
+static void make_hall(scene *s, size_t per_metre)
 {
 	const double origin[3] = { 0, 0, 0 }, right[3] = { 4, 0, 0 }, back[3] = { 0, 3, 0 };
-	const double top[3] = { 0, 0, 2.5 };
+	const double top[3] = { 0, 0, 2.5 }, lamp[3] = { 1, 1, 2.25 };
 	const double x[3] = { 4, 0, 0 }, y[3] = { 0, 3, 0 }, z[3] = { 0, 0, 2.5 };
-	scene_add_patch(s, &(scene_patch){ origin, x, y, 48, 36 }, 0.5f);
-	scene_add_patch(s, &(scene_patch){ top, y, x, 36, 48 }, 0.7f);
-	scene_add_patch(s, &(scene_patch){ back, x, z, 48, 30 }, 0.6f);
+	const size_t nx = 4 * per_metre, ny = 3 * per_metre, nz = 5 * per_metre / 2;
+	scene_add_patch(s, &(scene_patch){ origin, x, y, nx, ny }, 0.5f);
+	scene_add_patch(s, &(scene_patch){ top, y, x, ny, nx }, 0.7f);
+	scene_add_patch(s, &(scene_patch){ back, x, z, nx, nz }, 0.6f);
 	size_t first = s->count;
-	scene_add_patch(s, &(scene_patch){ origin, y, z, 36, 30 }, 0.5f);
+	scene_add_patch(s, &(scene_patch){ origin, y, z, ny, nz }, 0.5f);
 	colour(s, first, 0.7f, 0.1f, 0.1f);
 	first = s->count;
-	scene_add_patch(s, &(scene_patch){ right, z, y, 30, 36 }, 0.5f);
+	scene_add_patch(s, &(scene_patch){ right, z, y, nz, ny }, 0.5f);
 	colour(s, first, 0.1f, 0.7f, 0.2f);
-	scene_add_sphere(s, (double[3]){ 2.5, 1.75, 0.75 }, 0.5, 450, 1, 0.8f);
+	const size_t ball = 25 * per_metre * per_metre / 8; /* pi a square metre */
+	scene_add_sphere(s, (double[3]){ 2.5, 1.75, 0.75 }, 0.5, ball, 1, 0.8f);
 	first = s->count;
-	const double lamp[3] = { 1, 1, 2.25 };
-	scene_add_patch(
-		s, &(scene_patch){ lamp, (double[3]){ 0, 0.5, 0 }, (double[3]){ 0.5, 0, 0 }, 6, 6 }, 0.2f);
+	const double u[3] = { 0, 0.5, 0 }, v[3] = { 0.5, 0, 0 };
+	scene_add_patch(s, &(scene_patch){ lamp, u, v, per_metre / 2, per_metre / 2 }, 0.2f);
 	scene_emit(s, first, (float[3]){ 8.0f, 7.0f, 5.0f });
+}
+
+void scene_make_hall(scene *s)
+{
+	make_hall(s, 12);
+}
+
+void scene_make_small_hall(scene *s)
+{
+	make_hall(s, 8);
 }
 
 gw_points scene_points(const scene *s)
@@ -192,6 +204,14 @@ void scene_choose_passes(gw_pass_choice *passes, gw_validation *validate)
 	for (int i = 0; kind != NULL && i < GW_VALIDATION_COUNT; i++)
 		if (strcmp(kind, gw_validation_name((gw_validation)i)) == 0)
 			*validate = (gw_validation)i;
+}
+
+bool scene_by_shaders(void)
+{
+	gw_pass_choice passes = GW_PASSES_AUTO;
+	gw_validation validate = GW_VALIDATE_NOTHING;
+	scene_choose_passes(&passes, &validate);
+	return passes == GW_PASSES_DEVICE;
 }
 
 gw_bake_result *scene_bake(const gw_points *points, const gw_light *lights, size_t light_count,

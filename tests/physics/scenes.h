@@ -54,6 +54,10 @@ void scene_add_box(scene *s, const double corner[3], const double size[3], doubl
  */
 void scene_make_hall(scene *s);
 
+/* The same hall of about 3000 points, for what does not ask how well they are lit: relations
+ * between bakes, and what they run. */
+void scene_make_small_hall(scene *s);
+
 /* A cube of 1 m from the origin on, grey, closed but for a square hole of 0.25 m in the middle of
  * its ceiling; 32 points a metre, the 1024 of the floor first. */
 void scene_make_cellar(scene *s);
@@ -70,6 +74,10 @@ void scene_clear(scene *s);
  * by the names in GLOWWORM_TEST_PASSES and GLOWWORM_TEST_VALIDATE, if they are set.
  */
 void scene_choose_passes(gw_pass_choice *passes, gw_validation *validate);
+
+/* Whether it says that bakes are by shaders, which takes many times as long: what differs in
+ * numbers alone is left to the CPU kernels then, which have the same text. */
+bool scene_by_shaders(void);
 
 /* Bakes, as scene_choose_passes says; the result is freed by the caller with
  * gw_bake_result_destroy. */

@@ -572,5 +572,16 @@ int main(void)
 		cmocka_unit_test(windows_stay_open),
 		cmocka_unit_test(holes_are_open_to_their_rims),
 	};
+	/* Each pass that asks the compartments, for what has to be dark, and what must not be. */
+	const struct CMUnitTest by_shaders[] = {
+		cmocka_unit_test(closed_spheres_stay_dark),
+		cmocka_unit_test(cones_see_no_sky),
+		cmocka_unit_test(nor_through_walls_with_two_sides),
+		cmocka_unit_test(nor_what_a_lamp_lights_next_door),
+		cmocka_unit_test(walls_with_two_sides_shut_out),
+		cmocka_unit_test(holes_are_open_to_their_rims),
+	};
+	if (scene_by_shaders())
+		return cmocka_run_group_tests(by_shaders, NULL, NULL);
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

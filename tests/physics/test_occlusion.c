@@ -152,6 +152,7 @@ static gw_bake_result *bake(const mesh_scene *s, const mesh_points *p, const exp
 						 .emission = emits ? emission : NULL };
 	gw_bake_options options = gw_bake_options_default();
 	options.method = e->method;
+	options.estimate_points = 0;
 	gw_bake_result *result = scene_bake(&points, s->light, s->light_count, &options);
 	free(albedo);
 	free(emission);

@@ -375,7 +375,7 @@ static gw_bake_result *bake_hall(const gw_light *light, size_t lights,
 								 const gw_bake_options *options)
 {
 	scene hall = { 0 };
-	scene_make_hall(&hall);
+	scene_make_small_hall(&hall);
 	const gw_points points = scene_points(&hall);
 	gw_bake_result *result = scene_bake(&points, light, lights, options);
 	scene_clear(&hall);
@@ -389,6 +389,7 @@ static void lamps_both_ways(void **state)
 	gw_bake_options options = gw_bake_options_default();
 	(void)state;
 	make_lamps(light);
+	options.rays = options.light_samples = 16;
 	gw_bake_result *result = bake_hall(light, LAMPS, &options);
 	gw_bake_result_destroy(&result);
 }
@@ -440,6 +441,8 @@ static void bake_under_map(scene *s)
 {
 	float pixel[32 * 16 * 3];
 	gw_bake_options options = gw_bake_options_default();
+	options.rays = options.light_samples = 16;
+	options.estimate_points = 0;
 	for (size_t i = 0; i < sizeof pixel / sizeof *pixel; i++)
 		pixel[i] = (float)scene_random(s);
 	gw_light light = { .type = GW_LIGHT_ENVIRONMENT,
@@ -521,7 +524,7 @@ static void frames_both_ways(void **state)
 	gw_frames *frames = NULL;
 	gw_error error = { 0 };
 	(void)state;
-	scene_make_hall(&s);
+	scene_make_small_hall(&s);
 	const gw_mover ball = { .first = s.count, .count = 300 };
 	scene_add_sphere(&s, (double[3]){ 1, 2, 1 }, 0.25, ball.count, 1, 0.5f);
 	for (size_t i = 0; i < FRAMES; i++) {
@@ -532,6 +535,7 @@ static void frames_both_ways(void **state)
 	const gw_points points = scene_points(&s);
 	const gw_motion motion = { &ball, 1, FRAMES, matrix };
 	const gw_frames_options how = { .independent = true };
+	options.rays = options.light_samples = 16;
 	options.estimate_points = 0;
 	assert_ok(gw_frames_open(&(gw_moving_scene){ { &points, &light, 1 }, &motion }, &options, &how,
 							 NULL, &frames, &error),

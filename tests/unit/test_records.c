@@ -405,6 +405,7 @@ static void place_records(gw_scene *built, const scene *cloud, float spacing)
 	gw_light light = scene_point_light(1.0, 1.0, 1.2, 2.0f);
 	built->options = gw_bake_options_default();
 	built->options.estimate_points = 0;
+	built->options.rays = built->options.light_samples = 1; /* which go where records are */
 	built->options.depth = 7;
 	built->options.record_spacing = spacing;
 	built->options.least_records = 0;
