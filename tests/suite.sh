@@ -28,7 +28,7 @@ cd "$root" || exit 70
 # The Vulkan loader and driver never free some of what they allocate; leaks of ours still count.
 export LSAN_OPTIONS="suppressions=$root/tests/leaks_of_others.txt:print_suppressions=0"
 export UBSAN_OPTIONS="print_stacktrace=1"
-# Who allocated a block is told by 8 frames: to walk all of the stack takes a fifth of the time.
+# Who allocated a block is told by 8 frames: to walk all of the stack each time takes long.
 asan="detect_leaks=1:allocator_may_return_null=1:malloc_context_size=8"
 
 # glibc fills memory that is allocated with 0x5a and what is freed with 0xa5, so that a value that

@@ -443,7 +443,7 @@ static void density_does_not_brighten(void **state)
 		gw_bake_result *result[2];
 		scene s[2] = { { 0 }, { 0 } };
 		for (size_t n = 0; n < 2; n++) {
-			scene_add_box(&s[n], (double[3]){ 0, 0, 0 }, (double[3]){ 2, 2, 2 }, n ? 32 : 16, 0.5f);
+			scene_add_box(&s[n], (double[3]){ 0, 0, 0 }, (double[3]){ 2, 2, 2 }, n ? 40 : 20, 0.5f);
 			result[n] = bake_hall(&s[n], &light, 1, (gw_method)method);
 		}
 		assert_mean(gw_method_name((gw_method)method), result[1]->indirect_irradiance,
