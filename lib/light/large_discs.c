@@ -70,14 +70,30 @@ static bool meets_own(const search *s, size_t disc, gw_vec3 place)
 	return gw_disc_tree_trace(s->tree, &ray).disc == (uint32_t)disc;
 }
 
+/* Is there finer surface on a disc? It takes precedence, and where it ends the tree does not say.
+ */
+static bool has_finer_on(const search *s, size_t surfel)
+{
+	const gw_surfels *surfels = s->cloud->surfels;
+	size_t first = surfel > GW_ADJOIN_REACH ? surfel - GW_ADJOIN_REACH : 0;
+	size_t last = surfel + GW_ADJOIN_REACH + 1;
+	for (size_t j = first; j < last && j < surfels->count; j++)
+		if (gw_surfels_adjoin(surfels, surfel, j) &&
+			!gw_octree_disc_is_large(s->cloud->octree, surfels, j))
+			return true;
+	return false;
+}
+
 static void look_at(void *user, size_t first, size_t last, uint32_t worker)
 {
 	const search *s = user;
 	gw_vec3 turn;
 	(void)worker;
-	for (size_t i = first; i < last; i++)
-		for (uint32_t k = 0; k < s->rays; k++)
+	for (size_t i = first; i < last; i++) {
+		uint32_t rays = has_finer_on(s, s->found->surfel[i]) ? 0 : s->rays;
+		for (uint32_t k = 0; k < rays; k++)
 			s->met[i * s->rays + k] = meets_own(s, i, place_on(s->disc + i, k, s->rays, &turn));
+	}
 }
 
 static gw_status keep_met(const search *s, gw_error *error)
@@ -132,7 +148,7 @@ static gw_status find_in(const gw_lit_cloud *cloud, const gw_disc_tree *tree, gw
 	s.rays = rays < RAYS_A_DISC ? rays : RAYS_A_DISC;
 	discs->count = tree->discs;
 	gw_disc *disc = gw_allocate_array(discs->count, sizeof *disc);
-	s.met = gw_allocate_array(discs->count, s.rays);
+	s.met = gw_allocate_zeros(discs->count, s.rays);
 	gw_status status = search_places(&s, disc, error);
 	free(s.met);
 	free(disc);

@@ -6,7 +6,8 @@
  * it, which are nearer to the lamp than the strip beside the crease, and the surface as a whole
  * would send out more than the lamp sends in, by about 0.3 |dE/dn| of the mean area of a point for
  * each metre of crease. So the facet has the mean of the light where rays meet the disc, as the
- * lamp sends it; what hides the lamp is that of the centre.
+ * lamp sends it; what hides the lamp is that of the centre. Discs on which finer surface lies, too,
+ * keep the light of their centre.
  */
 #ifndef LARGE_DISCS_H
 #define LARGE_DISCS_H
