@@ -330,6 +330,35 @@ static void list_errors(const gw_estimate_task *task, const estimate *e, double 
 	}
 }
 
+/* How often light arrives until it is gone, over how often it does before it was reflected. */
+static double reflections(const gw_estimate_task *task)
+{
+	const gw_surfels *s = task->surfels;
+	double first = 0.0, all = 0.0;
+	for (size_t i = 0; i < s->count; i++) {
+		double area = (double)s->area[i], unreflected = gw_luminance(task->first + 4 * i);
+		unreflected += task->direct ? gw_luminance(task->direct + 4 * i) : 0.0;
+		first += area * unreflected;
+		all += area * (unreflected + gw_luminance(task->indirect + 4 * i));
+	}
+	return first > 0.0 ? all / first : 1.0;
+}
+
+/*
+ * Points gather what the bake says that surfaces send out, so what they find is what one gather is
+ * off. Where G is what gathers right and the bake is off by b, L = E + G L + b is off by
+ * (1 - G)^-1 b: what is too much on average is so again in each reflection. Of records' rays
+ * geometry_error.h says that; of what else gathers nothing does. Returns by how much more the mean
+ * square is.
+ */
+static double square_of_reflections(const gw_estimate_task *task, gw_check_point_mean off)
+{
+	double sure = fmax(off.mean * off.mean - off.variance, 0.0), times = 1.0;
+	if (task->options->method != GW_METHOD_RAYS && task->bounces)
+		times = reflections(task);
+	return sure * (times * times - 1.0);
+}
+
 static gw_status compare(const gw_estimate_task *task, estimate *e, double mean,
 						 gw_error_estimate *result, gw_error *error)
 {
@@ -343,6 +372,8 @@ static gw_status compare(const gw_estimate_task *task, estimate *e, double mean,
 	double *value[VALUES] = { room, room + c->count, room + 2 * (size_t)c->count };
 	list_errors(task, e, mean, value);
 	gw_check_point_mean square = gw_check_point_average(c, value[EXCESS]);
+	gw_check_point_mean off = gw_check_point_average(c, value[OFF]);
+	square.mean += square_of_reflections(task, off);
 	double rms = sqrt(fmax(square.mean, 0.0)), half = gw_check_point_average(c, value[HALVES]).mean;
 	result->points = c->count;
 	result->relative_rms = result->gathered = rms;
@@ -350,7 +381,7 @@ static gw_status compare(const gw_estimate_task *task, estimate *e, double mean,
 	double spread = fmin(sqrt(square.variance) / (2.0 * rms), sqrt(sqrt(square.variance)));
 	/* What was there is that of the sides. */
 	result->spread = hypot(result->spread, hypot(spread, UNSEEN_SHARE * rms));
-	result->bias = gw_check_point_average(c, value[OFF]).mean;
+	result->bias = off.mean;
 	/* A point's light is a mean over records, each of which gathers like a half does. */
 	double samples = fmin(task->rays, task->light_samples), own = gw_estimate_rays(task->rays);
 	result->noise = fmin(sqrt(half * own / samples / RECORDS_A_POINT), rms);

@@ -9,6 +9,7 @@
 #include "base/parallel.h"
 #include "cloud/frame.h"
 #include "normals/normal_error.h"
+#include "light/large_discs.h"
 #include "light/lamp_reach.h"
 #include "light/light_given.h"
 #include "light/shut_out.h"
@@ -272,7 +273,8 @@ static gw_status upload_normals(const gw_lit_cloud *cloud, bool off, gw_buffer *
 /* A light as passes get it. */
 typedef struct light_on_device {
 	gw_light_push push;
-	gw_buffer distribution; /* of its intensity; one number where it has none */
+	const float *intensities; /* gw_light.distribution */
+	gw_buffer distribution;   /* of its intensity; one number where it has none */
 } light_on_device;
 
 static gw_status put_on_device(const gw_lit_cloud *cloud, const gw_light *light,
@@ -281,6 +283,7 @@ static gw_status put_on_device(const gw_lit_cloud *cloud, const gw_light *light,
 	gw_gpu *gpu = cloud->passes->gpu;
 	const float none = 0.0f;
 	lamp->push = push_of(light, cloud->octree, cloud->surfels, cloud->options);
+	lamp->intensities = light->distribution;
 	bool has = lamp->push.verticals > 0;
 	uint64_t bytes = sizeof none * (has ? gw_distribution_length(light) : 1);
 	GW_TRY(gw_buffer_create(gpu,
@@ -406,14 +409,21 @@ typedef struct light_normals {
 	const gw_buffer *own, *turned;
 } light_normals;
 
+/* Buffers of gw_direct_light. */
+typedef struct lit_buffers {
+	gw_buffer visibility, own_normal, off_normal;
+	gw_given_sum given;
+	gw_large_discs discs;
+} lit_buffers;
+
 /* What one light adds. */
 static gw_status add_light(const gw_lit_cloud *cloud, const light_on_device *lamp,
-						   light_normals normals, gw_buffer *visibility,
-						   const gw_direct_irradiance *to, gw_error *error)
+						   light_normals normals, lit_buffers *b, const gw_direct_irradiance *to,
+						   gw_error *error)
 {
 	gw_gpu *gpu = cloud->passes->gpu;
 	const gw_light_push *push = &lamp->push;
-	gw_buffer reached = { 0 }, reached_turned = { 0 };
+	gw_buffer *visibility = &b->visibility, reached = { 0 }, reached_turned = { 0 };
 	gw_status status = GW_OK;
 	if (push->shadows)
 		status = gw_shut_out_light(cloud, push, normals.own, &reached, error);
@@ -431,16 +441,13 @@ static gw_status add_light(const gw_lit_cloud *cloud, const light_on_device *lam
 		status = add_irradiance(cloud, lamp, normals.own, visibility, to->surfels, error);
 	if (status == GW_OK && normals.turned)
 		status = add_irradiance(cloud, lamp, normals.turned, visibility, to->turned, error);
+	if (status == GW_OK)
+		status = gw_large_discs_light(cloud, &(gw_lamp){ lamp->push, lamp->intensities },
+									  normals.own, visibility, &b->discs, error);
 	gw_buffer_destroy(gpu, &reached_turned);
 	gw_buffer_destroy(gpu, &reached);
 	return status;
 }
-
-/* Buffers of gw_direct_light. */
-typedef struct lit_buffers {
-	gw_buffer visibility, own_normal, off_normal;
-	gw_given_sum given;
-} lit_buffers;
 
 static gw_status add_lights(const gw_lit_cloud *cloud, const gw_light *lights, size_t light_count,
 							const gw_direct_irradiance *to, lit_buffers *b, gw_error *error)
@@ -467,23 +474,41 @@ static gw_status add_lights(const gw_lit_cloud *cloud, const gw_light *lights, s
 		if (!reaches && !forced)
 			continue;
 		GW_TRY(put_on_device(cloud, &lights[i], &lamp, error));
-		gw_status status = add_light(cloud, &lamp, normals, &b->visibility, to, error);
+		gw_status status = add_light(cloud, &lamp, normals, b, to, error);
 		gw_buffer_destroy(gpu, &lamp.distribution);
 		const gw_lamp shone = { lamp.push, lights[i].distribution };
 		if (status == GW_OK && reaches && to->given)
 			status = gw_given_book(cloud, &shone, to->surfels, &to->given[i], &b->given, error);
 		GW_TRY(status);
 	}
+	return GW_OK;
+}
+
+/* The means over the facets. */
+static gw_status light_facets(const gw_lit_cloud *cloud, const gw_direct_irradiance *to,
+							  const gw_large_discs *discs, gw_error *error)
+{
+	gw_buffer means = { 0 };
 	if (cloud->octree->leaf_count == 0)
 		return GW_OK;
-	return gw_average_facets(cloud->passes, cloud->octree, to->surfels, to->facets, error);
+	if (discs->count > 0)
+		GW_TRY(gw_large_discs_mean(cloud, discs, to->surfels, &means, error));
+	gw_status status = gw_average_facets(
+		cloud->passes, cloud->octree, discs->count > 0 ? &means : to->surfels, to->facets, error);
+	gw_buffer_destroy(cloud->passes->gpu, &means);
+	return status;
 }
 
 gw_status gw_direct_light(const gw_lit_cloud *cloud, const gw_light *lights, size_t light_count,
 						  const gw_direct_irradiance *to, gw_error *error)
 {
 	lit_buffers b = { 0 };
-	gw_status status = add_lights(cloud, lights, light_count, to, &b, error);
+	gw_status status = gw_large_discs_find(cloud, &b.discs, error);
+	if (status == GW_OK)
+		status = add_lights(cloud, lights, light_count, to, &b, error);
+	if (status == GW_OK)
+		status = light_facets(cloud, to, &b.discs, error);
+	gw_large_discs_clear(&b.discs);
 	gw_given_sum_clear(&b.given);
 	gw_buffer_destroy(cloud->passes->gpu, &b.off_normal);
 	gw_buffer_destroy(cloud->passes->gpu, &b.own_normal);

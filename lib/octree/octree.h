@@ -153,6 +153,10 @@ static inline float gw_facet_opacity(float w)
 	return 1.0f - (w - floorf(w));
 }
 
+/* Whether a surfel's disc is too large for leaves and in the tree of large discs, where it comes
+ * after those of earlier surfels; of what is far off all the rest none is. */
+bool gw_octree_disc_is_large(const gw_octree *octree, const gw_surfels *surfels, size_t surfel);
+
 /* The depth that GW_DEPTH_AUTO gives when memory suffices. */
 uint32_t gw_octree_auto_depth(const gw_surfels *surfels);
 

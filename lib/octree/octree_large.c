@@ -9,21 +9,18 @@
 
 #include <stdlib.h>
 
-/* Whose disc is too large, as convert of octree_fragments.c and its shader see it; of what is far
- * off all the rest none is. */
-static bool is_large(const gw_octree_work *work, size_t surfel)
+/* As convert of octree_fragments.c and its shader see it. */
+bool gw_octree_disc_is_large(const gw_octree *octree, const gw_surfels *surfels, size_t surfel)
 {
-	const gw_octree *octree = work->octree;
 	double leaf = (double)octree->leaf_size, side = (double)(1u << octree->depth);
 	for (size_t k = 0; k < 3; k++) {
 		double cell =
-			((double)work->surfels->position[3 * surfel + k] - (double)octree->cube_minimum[k]) /
-			leaf;
+			((double)surfels->position[3 * surfel + k] - (double)octree->cube_minimum[k]) / leaf;
 		if (!(cell >= 0 && cell <= side))
 			return false;
 	}
-	return work->surfels->two_sided[surfel] != GW_SIDE_BACK &&
-		   (float)((double)work->surfels->radius[surfel] / leaf) > GW_DISC_MAX;
+	return surfels->two_sided[surfel] != GW_SIDE_BACK &&
+		   (float)((double)surfels->radius[surfel] / leaf) > GW_DISC_MAX;
 }
 
 static gw_status enter_facets(gw_octree_work *work, uint32_t *first, uint32_t *surfel,
@@ -68,7 +65,7 @@ static size_t list_large(const gw_octree_work *work, const uint32_t *facet, gw_d
 								  .widen = 1 };
 	size_t count = 0;
 	for (size_t i = 0; i < work->surfels->count; i++) {
-		if (!is_large(work, i))
+		if (!gw_octree_disc_is_large(octree, work->surfels, i))
 			continue;
 		disc[count] = gw_disc_of_surfel(work->surfels, i, &shape);
 		disc[count++].facet = facet[i];
@@ -105,7 +102,7 @@ gw_status gw_octree_plant_discs(gw_octree_work *work, gw_error *error)
 	const uint32_t none[4] = { 0 };
 	octree->tree_discs = 0;
 	for (size_t i = 0; i < work->surfels->count; i++)
-		octree->tree_discs += is_large(work, i);
+		octree->tree_discs += gw_octree_disc_is_large(octree, work->surfels, i);
 	gw_status status = octree->tree_discs > 0 ? make_tree(work, &tree, error) : GW_OK;
 	uint64_t bytes = 16 * (uint64_t)(tree.texels > 0 ? tree.texels : 1);
 	if (status == GW_OK)

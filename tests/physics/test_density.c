@@ -13,6 +13,7 @@
 
 #define SPARSE 600
 #define ALBEDO 0.5f
+#define CLOUDS 12
 
 /*
  * By which light may be further from the closed form than that of the even cloud, which has to do
@@ -115,6 +116,64 @@ static void depth_changes_nothing(void **state)
 	scene_clear(&s);
 }
 
+/* A cube of random points, as many on each wall. */
+static scene make_room(uint64_t seed)
+{
+	scene s = { .state = seed };
+	for (size_t i = 0; i < SPARSE; i++) {
+		size_t axis = i % 3;
+		double side = i % 6 < 3 ? -1 : 1, n[3] = { 0 }, p[3];
+		for (int k = 0; k < 3; k++)
+			p[k] = 2 * scene_random(&s) - 1;
+		p[axis] = side;
+		n[axis] = -side;
+		scene_add(&s, p, n, ALBEDO);
+	}
+	return s;
+}
+
+/* How far what walls reflect of a lamp is from the closed form, on average over the points: what
+ * the lamp sends out is ALBEDO of it after each bounce. */
+static double reflected_too_much(uint64_t seed, uint32_t depth)
+{
+	scene s = make_room(seed);
+	gw_light light = scene_point_light(0.3, 0.2, -0.25, 6);
+	gw_bake_options options = gw_bake_options_default();
+	options.depth = depth;
+	options.estimate_points = 0;
+	gw_points points = scene_points(&s);
+	gw_bake_result *result = scene_bake(&points, &light, 1, &options);
+	double mean = scene_mean(result->indirect_irradiance, SPARSE, 0);
+	gw_bake_result_destroy(&result);
+	scene_clear(&s);
+	/* 6 W/sr on 24 m^2 are an irradiance of pi. */
+	return mean / (SCENE_PI * (double)ALBEDO / (1 - (double)ALBEDO)) - 1;
+}
+
+/*
+ * In an octree far deeper than the points are dense a ray finds the light of a whole disc. Were it
+ * that at its centre, a nearest neighbour's, walls would reflect 0.6 % too much: of 600 random
+ * points in this cube so much is the excess of the sum over their Voronoi cells of each one's light
+ * over what the lamp sends, computed by itself from the lamp's cosine over the square of its
+ * distance, which differs between clouds by 0.35 % as a standard deviation. Rays add about as much
+ * to that. The mean of CLOUDS of them is off by three of its standard errors at most, and these are
+ * to be less than that excess.
+ */
+static void walls_reflect_what_lamps_send(void **state)
+{
+	(void)state;
+	double mean = 0, square = 0;
+	for (uint64_t seed = 1; seed <= CLOUDS; seed++) {
+		double off = reflected_too_much(seed << 32, 12);
+		mean += off / CLOUDS;
+		square += off * off / CLOUDS;
+	}
+	double deviation = sqrt((square - mean * mean) / (CLOUDS - 1));
+	print_message("%+.2f %% too much, +- %.2f\n", 100 * mean, 100 * deviation);
+	assert_true(deviation < 0.002);
+	assert_true(fabs(mean) < 3 * deviation);
+}
+
 /* One stray point, and three of them on different sides. */
 static void strays_change_nothing(void **state)
 {
@@ -168,6 +227,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(dense_caps_change_nothing),
 		cmocka_unit_test(depth_changes_nothing),
+		cmocka_unit_test(walls_reflect_what_lamps_send),
 		cmocka_unit_test(strays_change_nothing),
 		cmocka_unit_test(strays_are_counted),
 	};

@@ -7,6 +7,7 @@
 #include "scenes.h"
 
 #include "glowworm_picture.h"
+#include "octree/trace_constants.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -137,16 +138,22 @@ static void add_leaf_of_three(scene *s, const double middle[3])
 /*
  * Leaves that have a few points each, with normals. Their neighbours are on other leaves: discs as
  * wide as to these would be plates of several times their area, and the depth five times what it
- * is. It is 8 % more than that of their area, because the octree's cells are as wide as such a leaf
- * (CELLS; a mean over eight woods, the only number here that was measured).
+ * is.
+ *
+ * A leaf shows the union of its three discs, of radius r, SPACING apart: their areas but for where
+ * two of them lie over each other, 2 r^2 acos(SPACING / 2r) - SPACING / 2 sqrt(4 r^2 - SPACING^2),
+ * for three pairs. Where cells of the octree are about as wide as a leaf, rays meet planes of cells
+ * that leaves' discs cover with a rim of GW_DISC_OVERLAP cells, and where leaves meet in a cell one
+ * plane shows their discs side by side: their whole areas, with that rim, at most. In smaller cells
+ * both become less. So the depth is between these two.
  *
  * Chance: a leaf whose cosine is even shows half of its area on average and a third of the square
  * of it, so that the depth of N leaves at random places is off by sqrt(4 / (3 N)), 4.2 % of it. The
  * floor has n = 46^2 points below them, each of which is in the light or not, which makes
  * sqrt((1 - q) / (q n)) where q is the share in the light, 1.8 % of 1 or 3.4 % of the depth.
- * Three standard deviations are allowed.
+ * Three standard deviations of a mean over WOODS are allowed.
  */
-#define CELLS 1.08
+#define WOODS 4
 
 static double chance_of_few(double depth)
 {
@@ -155,31 +162,55 @@ static double chance_of_few(double depth)
 	return sqrt(4.0 / (3.0 * leaves) + (1.0 - q) / (q * n * depth * depth));
 }
 
+/* What a leaf of three shows, of its area: between its discs' union and their areas with a rim. */
+static double least_shown(void)
+{
+	double square = SPACING * SPACING, r = SPACING / sqrt(SCENE_PI);
+	double lens =
+		2.0 * r * r * acos(0.5 * SPACING / r) - 0.5 * SPACING * sqrt(4.0 * r * r - square);
+	return 1.0 - lens / square;
+}
+
+static double most_shown(double cell)
+{
+	double rim = (double)GW_DISC_OVERLAP * cell / (SPACING / sqrt(SCENE_PI));
+	return (1.0 + rim) * (1.0 + rim);
+}
+
+static void make_wood_of_three(scene *s, uint64_t seed)
+{
+	*s = (scene){ .state = seed };
+	scene_add_patch(s,
+					&(scene_patch){ (double[]){ -3, -3, 0 }, (double[]){ 6, 0, 0 },
+									(double[]){ 0, 6, 0 }, FLOOR, FLOOR },
+					0.5f);
+	for (int i = 0; i < LEAVES_OF_THREE; i++) {
+		double p[3];
+		for (int k = 0; k < 3; k++)
+			p[k] = scene_random(s);
+		for (int k = 0; k < 2; k++)
+			p[k] = WIDTH * (p[k] - 0.5);
+		p[2] = LOW + (HIGH - LOW) * p[2];
+		add_leaf_of_three(s, p);
+	}
+}
+
 static void leaves_of_a_few_points(void **state)
 {
 	(void)state;
-	for (uint64_t seed = 1; seed <= 2; seed++) {
-		scene s = { .state = seed };
-		scene_add_patch(&s,
-						&(scene_patch){ (double[]){ -3, -3, 0 }, (double[]){ 6, 0, 0 },
-										(double[]){ 0, 6, 0 }, FLOOR, FLOOR },
-						0.5f);
-		for (int i = 0; i < LEAVES_OF_THREE; i++) {
-			double p[3];
-			for (int k = 0; k < 3; k++)
-				p[k] = scene_random(&s);
-			for (int k = 0; k < 2; k++)
-				p[k] = WIDTH * (p[k] - 0.5);
-			p[2] = LOW + (HIGH - LOW) * p[2];
-			add_leaf_of_three(&s, p);
-		}
+	double depth = 0.5 * 3.0 * SPACING * SPACING * LEAVES_OF_THREE / (WIDTH * WIDTH), met = 0.0;
+	for (uint64_t seed = 1; seed <= WOODS; seed++) {
+		scene s;
+		make_wood_of_three(&s, seed);
 		gw_points points = scene_points(&s);
-		double depth = 0.5 * 3.0 * SPACING * SPACING * LEAVES_OF_THREE / (WIDTH * WIDTH);
-		double met = -log(share_of_ground(&points, (size_t)FLOOR * FLOOR, 0.0));
-		if (!(fabs(met / (CELLS * depth) - 1.0) < 3.0 * chance_of_few(depth)))
-			fail_msg("%.3f of the depth, by chance %.3f", met / depth, chance_of_few(depth));
+		met -= log(share_of_ground(&points, (size_t)FLOOR * FLOOR, 0.0)) / depth / WOODS;
 		scene_clear(&s);
 	}
+	double least = least_shown(), most = most_shown((double)GW_LEAF_SPACING * SPACING);
+	double chance = 3.0 * chance_of_few(depth) / sqrt(WOODS);
+	print_message("%.3f of the depth, %.3f to %.3f, by chance %.3f\n", met, least, most, chance);
+	if (!(met > least - chance && met < most + chance))
+		fail_msg("%.3f of the depth, %.3f to %.3f, by chance %.3f", met, least, most, chance);
 }
 
 static size_t count_foliage(const gw_points *points)

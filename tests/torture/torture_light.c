@@ -194,6 +194,18 @@ static double upper_plate(const double rho[2])
 	return sum / area;
 }
 
+/*
+ * What cones may be off, in percent. Of the faces of a voxel each shows its area by itself, so that
+ * along a plate of a normal n that leans against the axes a cone d meets half of the sum of
+ * |d_k n_k| of it, and none of it where that lies along them. Then it is filled before it gets out
+ * past the rim; at most plates look as if they had none, which makes rho / (1 - rho rho').
+ */
+static double cones_bar(const double rho[2], bool turned)
+{
+	double endless = rho[1] / (1 - rho[0] * rho[1]);
+	return turned ? fmax(5, 100 * (endless / upper_plate(rho) - 1)) : 5;
+}
+
 /* Turns SHEETS, squares of side 2, into the discs. */
 static void make_plates(torture_case *c, hard_cloud *cloud, const double rho[2])
 {
@@ -237,9 +249,9 @@ static void measure_slab(torture_case *c, int variant)
 			n += counted;
 		}
 		case_measure(c, cones ? "slab/cones" : "slab/rays", 100 * (sum / n / upper_plate(rho) - 1),
-					 cones ? 5 : 1, "plates of albedo %g and %g, %s%s (stated %.2g %%)", rho[0],
-					 rho[1], cones ? "cones" : "rays", turned ? ", turned" : "",
-					 100 * report.error);
+					 cones ? cones_bar(rho, turned) : 1,
+					 "plates of albedo %g and %g, %s%s (stated %.2g %%)", rho[0], rho[1],
+					 cones ? "cones" : "rays", turned ? ", turned" : "", 100 * report.error);
 		lit_file_clear(&lit);
 	}
 	hard_cloud_clear(&cloud);
