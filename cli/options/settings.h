@@ -223,6 +223,7 @@ typedef struct settings {
 	const char *frames;   /* which of them to bake, as given; NULL: none */
 	bool rebuild, independent;
 	light_units units;               /* of the scene file, or of its lights */
+	bool units_said;                 /* in the scene file */
 	int length;                      /* a coordinates_unit: what coordinates are in */
 	int up, colors, gamma, progress; /* values of enums and choices */
 	int strays;                      /* settings_strays */

@@ -620,6 +620,7 @@ static gw_status take_units(const reader *r, json_t *value)
 		r->settings->units = LIGHT_UNITS_PHOTOMETRIC;
 	else
 		return fail_here(r, "it must be \"radiometric\" or \"photometric\"");
+	r->settings->units_said = true;
 	return GW_OK;
 }
 

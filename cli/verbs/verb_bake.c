@@ -180,6 +180,24 @@ static void note_colors(const settings *s, const loaded_input *input)
 			name, mean, 0.5 / mean);
 }
 
+/* A lamp without units beside one that has some: nobody said that its numbers are in the same. */
+static void note_units(const settings *s)
+{
+	size_t with = 0, without = 0;
+	while (with < s->light_count && s->light[with].units == LIGHT_UNITS_UNSAID)
+		with++;
+	while (without < s->light_count && s->light[without].units != LIGHT_UNITS_UNSAID)
+		without++;
+	if (s->units_said || with == s->light_count || without == s->light_count)
+		return;
+	const char *unit =
+		s->units == LIGHT_UNITS_PHOTOMETRIC ? "lm, cd, lx or cd/m^2" : "W, W/sr, W/m^2 or W/sr/m^2";
+	fprintf(stderr,
+			"glowworm: note: light %zu has no units; its numbers are taken for %s, as those of "
+			"light %zu are\n",
+			without + 1, unit, with + 1);
+}
+
 static void note_inputs(const bake *b)
 {
 	bool lit = true;
@@ -217,8 +235,10 @@ static gw_status read_inputs(bake *b)
 	if (status == GW_OK)
 		glossy_points_apply(b->settings, &b->scene);
 	progress_clear(&b->progress);
-	if (status == GW_OK && !b->settings->quiet)
+	if (status == GW_OK && !b->settings->quiet) {
 		note_inputs(b);
+		note_units(b->settings);
+	}
 	b->facts.read_seconds = now() - start;
 	return status;
 }

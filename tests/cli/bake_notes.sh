@@ -14,6 +14,13 @@ grep 'finite' notes
 glowworm info lit.ply --json | tr '{' '\n' | grep '"x"\|radiance_r' |
 	sed 's/0\.5000000[0-9]*/0.5/' # the last bit of a float
 glowworm bake a.ply --light 'sky radiance 1' -o quiet.ply --quiet
+# Numbers without units beside some that have them, unless the scene file says what all are in.
+glowworm bake a.ply --light 'point at 0.1,0.1,1 intensity 40cd' --light 'sky radiance 1' -f \
+	-o lit.ply 2>&1 | grep units
+printf '{"version": 1, "units": "photometric", "inputs": [{"file": "a.ply"}], "lights": [
+	{"type": "point", "position": [0.1, 0.1, 1], "lumens": 400},
+	{"type": "environment", "radiance": 1}]}' >units.json
+glowworm bake units.json -f -o lit.ply 2>&1 | grep units
 # An octree for which memory is too short is made coarser, and note and report say so.
 make_box --scene plane --points 20000 -o plane.ply
 for memory in 1G 6M; do

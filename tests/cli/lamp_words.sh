@@ -16,7 +16,7 @@ print_lights floor.ply --light 'point at 0,0,1 lumens 12.566370614' \
 print_lights floor.ply \
 	--light 'sky model clear place 47.05,8.3 time 2026-06-21T14:30+02:00 illuminance 15000'
 cat >sky.json <<'END'
-{"version": 1, "inputs": [{"file": "floor.ply"}], "lights": [
+{"version": 1, "units": "photometric", "inputs": [{"file": "floor.ply"}], "lights": [
   {"type": "point", "position": [0, 0, 1], "lumens": 400, "kelvin": 3000},
   {"type": "point", "position": [0, 0, 1], "intensity": "3,2,1cd"},
   {"type": "sky", "model": "gradient", "radiance": 2, "horizon": [3, 2, 1]},

@@ -248,8 +248,9 @@ static void measure_slab(torture_case *c, int variant)
 			sum += counted ? lit.radiance[3 * i + 1] : 0;
 			n += counted;
 		}
-		case_measure(c, cones ? "slab/cones" : "slab/rays", 100 * (sum / n / upper_plate(rho) - 1),
-					 cones ? cones_bar(rho, turned) : 1,
+		double off = 100 * (sum / n / upper_plate(rho) - 1);
+		double bar = !cones ? 1 : off > 0 ? cones_bar(rho, turned) : 5;
+		case_measure(c, cones ? "slab/cones" : "slab/rays", off, bar,
 					 "plates of albedo %g and %g, %s%s (stated %.2g %%)", rho[0], rho[1],
 					 cones ? "cones" : "rays", turned ? ", turned" : "", 100 * report.error);
 		lit_file_clear(&lit);
