@@ -254,9 +254,9 @@ test-programs: all $(TEST_PROGRAMS) $(TORTURE)
 build_quietly = $(MAKE) --no-print-directory -s -j$(JOBS)
 SANITIZED     = build/sanitize:unit build/sanitize:hostile build/sanitize:cli
 
-check: deps  ## what a change breaks most often, in under two minutes: unit, cli, style
+check: deps  ## what a change breaks most often, in under two minutes: style, quick unit and cli tests
 	@$(build_quietly) config=release all $(filter $(BUILD)/tests/unit/%,$(TEST_PROGRAMS))
-	@tests/suite.sh build:style build:unit build:cli
+	@tests/suite.sh build:style build:quick-unit build:quick-cli
 
 test: deps  ## build and run all tests, then most of them again under sanitizers
 	@$(build_quietly) config=release test-programs analysis

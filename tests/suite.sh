@@ -7,6 +7,7 @@
 #                          the validation layer; test_shaders.c has the rest
 #   interop                tests/cli/run with the scripts of tests/interop
 #   cli                    tests/cli/run with BUILD/glowworm; each script is a test
+#   quick-unit quick-cli   those of unit and cli that tests/slow_tests does not list
 #   torture                the short run of the campaign of tests/torture
 #   lint                   tests/lint/check_*.sh and test_*.sh; each script is a test
 #   style                  those of them that look at the sources alone, in seconds
@@ -43,6 +44,11 @@ passed=0 failed=0 skipped=0
 
 count_lines() { # pattern file
 	grep -ac -- "$1" "$2" || true
+}
+
+# Those of a list of tests that are not slow.
+list_quick() { # source...
+	printf '%s\n' "$@" | grep -vxFf tests/slow_tests
 }
 
 # Runs one cmocka program.
@@ -202,6 +208,14 @@ for item in "$@"; do
 			tests/physics/test_{boundaries,leaks,shadow_map,portals,glossy,gloss_caches}.c
 		;;
 	cli) run_cli "$build" ;;
+	quick-unit)
+		mapfile -t quick < <(list_quick tests/unit/test_*.c tests/unit/test_*.cpp)
+		run_programs "$build" "${quick[@]}"
+		;;
+	quick-cli)
+		mapfile -t quick < <(list_quick tests/cli/*.sh)
+		run_cli "$build" "${quick[@]}"
+		;;
 	interop) run_cli "$build" tests/interop/*.sh ;;
 	torture) run_torture "$build" ;;
 	lint) run_lint tests/lint/test_*.sh tests/lint/check_*.sh ;;
