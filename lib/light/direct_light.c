@@ -414,6 +414,7 @@ typedef struct lit_buffers {
 	gw_buffer visibility, own_normal, off_normal;
 	gw_given_sum given;
 	gw_large_discs discs;
+	bool discs_known; /* the first lamp that reaches anything asks for them */
 } lit_buffers;
 
 /* What one light adds. */
@@ -473,6 +474,9 @@ static gw_status add_lights(const gw_lit_cloud *cloud, const gw_light *lights, s
 		bool reaches = gw_lamp_reaches(&lights[i], cloud->surfels, cloud->options->threads);
 		if (!reaches && !forced)
 			continue;
+		if (!b->discs_known)
+			GW_TRY(gw_large_discs_find(cloud, &b->discs, error));
+		b->discs_known = true;
 		GW_TRY(put_on_device(cloud, &lights[i], &lamp, error));
 		gw_status status = add_light(cloud, &lamp, normals, b, to, error);
 		gw_buffer_destroy(gpu, &lamp.distribution);
@@ -503,9 +507,7 @@ gw_status gw_direct_light(const gw_lit_cloud *cloud, const gw_light *lights, siz
 						  const gw_direct_irradiance *to, gw_error *error)
 {
 	lit_buffers b = { 0 };
-	gw_status status = gw_large_discs_find(cloud, &b.discs, error);
-	if (status == GW_OK)
-		status = add_lights(cloud, lights, light_count, to, &b, error);
+	gw_status status = add_lights(cloud, lights, light_count, to, &b, error);
 	if (status == GW_OK)
 		status = light_facets(cloud, to, &b.discs, error);
 	gw_large_discs_clear(&b.discs);

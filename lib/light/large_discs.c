@@ -35,14 +35,6 @@ typedef struct search {
 	uint8_t *met; /* rays * count: whether the ray finds its own disc */
 } search;
 
-static gw_disc_shape shape_of(const gw_octree *octree)
-{
-	const float *low = octree->cube_minimum;
-	return (gw_disc_shape){ .scale = 1 / (double)octree->leaf_size,
-							.origin = { (double)low[0], (double)low[1], (double)low[2] },
-							.widen = 1 };
-}
-
 /* The k-th of `rays` places on a disc, each for as much of it; by how much its bend turns the
  * normal there. */
 static gw_vec3 place_on(const gw_disc *d, uint32_t k, uint32_t rays, gw_vec3 *turn)
@@ -122,7 +114,7 @@ static gw_status keep_met(const search *s, gw_error *error)
 static gw_status search_places(search *s, gw_disc *disc, gw_error *error)
 {
 	const gw_surfels *surfels = s->cloud->surfels;
-	const gw_disc_shape shape = shape_of(s->cloud->octree);
+	const gw_disc_shape shape = gw_octree_disc_shape(s->cloud->octree);
 	gw_large_discs *f = s->found;
 	f->surfel = gw_allocate_array(f->count, sizeof *f->surfel);
 	f->first = gw_allocate_array(f->count + 1, sizeof *f->first);

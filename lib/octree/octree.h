@@ -21,6 +21,7 @@
 
 #include "device/gpu.h"
 #include "cloud/surfels.h"
+#include "normals/disc_tree.h"
 
 #include <math.h>
 
@@ -156,6 +157,9 @@ static inline float gw_facet_opacity(float w)
 /* Whether a surfel's disc is too large for leaves and in the tree of large discs, where it comes
  * after those of earlier surfels; of what is far off all the rest none is. */
 bool gw_octree_disc_is_large(const gw_octree *octree, const gw_surfels *surfels, size_t surfel);
+
+/* What makes its discs of surfels, in coordinates of the grid. */
+gw_disc_shape gw_octree_disc_shape(const gw_octree *octree);
 
 /* The depth that GW_DEPTH_AUTO gives when memory suffices. */
 uint32_t gw_octree_auto_depth(const gw_surfels *surfels);

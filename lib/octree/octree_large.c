@@ -55,14 +55,19 @@ static gw_status find_facets(gw_octree_work *work, uint32_t *facet, gw_error *er
 	return status;
 }
 
+gw_disc_shape gw_octree_disc_shape(const gw_octree *octree)
+{
+	const float *low = octree->cube_minimum;
+	return (gw_disc_shape){ .scale = 1 / (double)octree->leaf_size,
+							.origin = { (double)low[0], (double)low[1], (double)low[2] },
+							.widen = 1 };
+}
+
 /* The large discs in coordinates of the grid; returns how many. */
 static size_t list_large(const gw_octree_work *work, const uint32_t *facet, gw_disc *disc)
 {
 	const gw_octree *octree = work->octree;
-	const float *low = octree->cube_minimum;
-	const gw_disc_shape shape = { .scale = 1 / (double)octree->leaf_size,
-								  .origin = { (double)low[0], (double)low[1], (double)low[2] },
-								  .widen = 1 };
+	const gw_disc_shape shape = gw_octree_disc_shape(octree);
 	size_t count = 0;
 	for (size_t i = 0; i < work->surfels->count; i++) {
 		if (!gw_octree_disc_is_large(octree, work->surfels, i))

@@ -177,6 +177,19 @@ void scene_make_small_hall(scene *s)
 	make_hall(s, 8);
 }
 
+void scene_make_random_room(scene *s, size_t count, float albedo)
+{
+	for (size_t i = 0; i < count; i++) {
+		size_t axis = i % 3;
+		double side = i % 6 < 3 ? -1.0 : 1.0, place[3], normal[3] = { 0.0, 0.0, 0.0 };
+		for (int k = 0; k < 3; k++)
+			place[k] = 2.0 * scene_random(s) - 1.0;
+		place[axis] = side;
+		normal[axis] = -side;
+		scene_add(s, place, normal, albedo);
+	}
+}
+
 gw_points scene_points(const scene *s)
 {
 	return (gw_points){ .count = s->count,

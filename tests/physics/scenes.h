@@ -62,6 +62,10 @@ void scene_make_small_hall(scene *s);
  * its ceiling; 32 points a metre, the 1024 of the floor first. */
 void scene_make_cellar(scene *s);
 
+/* A cube of side 2 around the origin, seen from within, of points at random places of its sides, as
+ * many of each. */
+void scene_make_random_room(scene *s, size_t count, float albedo);
+
 /* All points from `first` on emit that radiance. */
 void scene_emit(scene *s, size_t first, const float radiance[3]);
 

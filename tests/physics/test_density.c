@@ -116,27 +116,12 @@ static void depth_changes_nothing(void **state)
 	scene_clear(&s);
 }
 
-/* A cube of random points, as many on each wall. */
-static scene make_room(uint64_t seed)
-{
-	scene s = { .state = seed };
-	for (size_t i = 0; i < SPARSE; i++) {
-		size_t axis = i % 3;
-		double side = i % 6 < 3 ? -1 : 1, n[3] = { 0 }, p[3];
-		for (int k = 0; k < 3; k++)
-			p[k] = 2 * scene_random(&s) - 1;
-		p[axis] = side;
-		n[axis] = -side;
-		scene_add(&s, p, n, ALBEDO);
-	}
-	return s;
-}
-
 /* How far what walls reflect of a lamp is from the closed form, on average over the points: what
  * the lamp sends out is ALBEDO of it after each bounce. */
 static double reflected_too_much(uint64_t seed, uint32_t depth)
 {
-	scene s = make_room(seed);
+	scene s = { .state = seed };
+	scene_make_random_room(&s, SPARSE, ALBEDO);
 	gw_light light = scene_point_light(0.3, 0.2, -0.25, 6);
 	gw_bake_options options = gw_bake_options_default();
 	options.depth = depth;

@@ -33,21 +33,32 @@ typedef struct wood {
 	float *own_area;
 } wood;
 
+static void add_floor(scene *s)
+{
+	scene_add_patch(s,
+					&(scene_patch){ (double[]){ -3, -3, 0 }, (double[]){ 6, 0, 0 },
+									(double[]){ 0, 6, 0 }, FLOOR, FLOOR },
+					0.5f);
+}
+
+/* A random place in the crown. */
+static void place_leaf(scene *s, double p[3])
+{
+	for (int k = 0; k < 3; k++)
+		p[k] = scene_random(s);
+	for (int k = 0; k < 2; k++)
+		p[k] = WIDTH * (p[k] - 0.5);
+	p[2] = LOW + (HIGH - LOW) * p[2];
+}
+
 static void make_wood(wood *w, double tau, uint64_t seed)
 {
 	double leaf = 2.0 * tau * WIDTH * WIDTH / LEAVES;
 	*w = (wood){ .scene.state = seed };
-	scene_add_patch(&w->scene,
-					&(scene_patch){ (double[]){ -3, -3, 0 }, (double[]){ 6, 0, 0 },
-									(double[]){ 0, 6, 0 }, FLOOR, FLOOR },
-					0.5f);
+	add_floor(&w->scene);
 	for (int i = 0; i < LEAVES; i++) {
 		double p[3];
-		for (int k = 0; k < 3; k++)
-			p[k] = scene_random(&w->scene);
-		for (int k = 0; k < 2; k++)
-			p[k] = WIDTH * (p[k] - 0.5);
-		p[2] = LOW + (HIGH - LOW) * p[2];
+		place_leaf(&w->scene, p);
 		scene_add(&w->scene, p, (double[]){ 0, 0, 0 }, 0.3f);
 	}
 	w->own_area = calloc(w->scene.count, sizeof *w->own_area);
@@ -180,17 +191,10 @@ static double most_shown(double cell)
 static void make_wood_of_three(scene *s, uint64_t seed)
 {
 	*s = (scene){ .state = seed };
-	scene_add_patch(s,
-					&(scene_patch){ (double[]){ -3, -3, 0 }, (double[]){ 6, 0, 0 },
-									(double[]){ 0, 6, 0 }, FLOOR, FLOOR },
-					0.5f);
+	add_floor(s);
 	for (int i = 0; i < LEAVES_OF_THREE; i++) {
 		double p[3];
-		for (int k = 0; k < 3; k++)
-			p[k] = scene_random(s);
-		for (int k = 0; k < 2; k++)
-			p[k] = WIDTH * (p[k] - 0.5);
-		p[2] = LOW + (HIGH - LOW) * p[2];
+		place_leaf(s, p);
 		add_leaf_of_three(s, p);
 	}
 }

@@ -302,28 +302,13 @@ static void closed_cube(void **state)
 	check_cube(GW_METHOD_CONES, 0.08);
 }
 
-/* A cube of side 2, whose points lie at random places of its sides. */
-static scene random_room(uint64_t seed, size_t count, float albedo)
-{
-	scene s = { .state = 7919u * seed };
-	for (size_t i = 0; i < count; i++) {
-		size_t axis = i % 3;
-		double side = i % 6 < 3 ? -1.0 : 1.0, place[3], normal[3] = { 0, 0, 0 };
-		for (int k = 0; k < 3; k++)
-			place[k] = 2.0 * scene_random(&s) - 1.0;
-		place[axis] = side;
-		normal[axis] = -side;
-		scene_add(&s, place, normal, albedo);
-	}
-	return s;
-}
-
-/* Mean light of such a room by a lamp that sends out 4 pi I, of rho I / (6 pi (1 - rho)), which it
- * has by energy: of each watt the walls, 24 m2, keep 1 - rho. */
+/* Mean light of a cube of random points by a lamp that sends out 4 pi I, of rho I / (6 pi (1 -
+ * rho)), which it has by energy: of each watt the walls, 24 m2, keep 1 - rho. */
 static double white_room_mean(uint64_t seed, size_t count, float albedo)
 {
 	double rho = (double)albedo;
-	scene s = random_room(seed, count, albedo);
+	scene s = { .state = 7919u * seed };
+	scene_make_random_room(&s, count, albedo);
 	gw_points points = scene_points(&s);
 	gw_light light = scene_point_light(0.3, 0.2, -0.25, 10.0f);
 	gw_bake_options options = options_of(GW_METHOD_RAYS, GW_BOUNCES_AUTO);

@@ -572,7 +572,7 @@ int main(void)
 		cmocka_unit_test(windows_stay_open),
 		cmocka_unit_test(holes_are_open_to_their_rims),
 	};
-	/* Each pass that asks the compartments, for what has to be dark, and what must not be. */
+	/* One scene each for suns, cones, what glows, a lamp, a sky, and a hole that stays open. */
 	const struct CMUnitTest by_shaders[] = {
 		cmocka_unit_test(closed_spheres_stay_dark),
 		cmocka_unit_test(cones_see_no_sky),

@@ -246,7 +246,7 @@ static void discs_that_are_cut(void **state)
 /* Leaves as wide as the room, as one point far away makes them. Six a wall are stated at 0.7 of
  * what they are: each facet sends the mean of the light of some 28 points, to records and to points
  * that are solved again alike, so that neither sees by how much it differs from the light where
- * rays meet it. Rays through the discs do, but that is less than their noise, which is taken off.
+ * rays meet it. How much of the rest that is was not measured.
  */
 static void leaves_too_wide(void **state)
 {
@@ -284,12 +284,7 @@ static double difference(const gw_bake_result *found, const gw_bake_result *trut
 	return sqrt(squares * PLATE * PLATE) / sum;
 }
 
-/*
- * Light that cones find where there is none, in each of many reflections. Of each axis the face of
- * a voxel on a cone's side shows its area by itself: along a sheet of a normal n a cone d meets
- * half of the sum of |d_k n_k| of it, where it is to meet none, and so it is filled by a plate
- * before it gets out past its rim.
- */
+/* Light that cones find where there is none, in each of many reflections. */
 static void cones_between_leaning_plates(void **state)
 {
 	(void)state;

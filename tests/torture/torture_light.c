@@ -195,10 +195,9 @@ static double upper_plate(const double rho[2])
 }
 
 /*
- * What cones may be off, in percent. Of the faces of a voxel each shows its area by itself, so that
- * along a plate of a normal n that leans against the axes a cone d meets half of the sum of
- * |d_k n_k| of it, and none of it where that lies along them. Then it is filled before it gets out
- * past the rim; at most plates look as if they had none, which makes rho / (1 - rho rho').
+ * What cones may find too much, in percent. Between plates that lean against the axes they are
+ * filled before they get out past the rim; at most plates look as if they had none, which makes rho
+ * / (1 - rho rho').
  */
 static double cones_bar(const double rho[2], bool turned)
 {
