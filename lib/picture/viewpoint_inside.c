@@ -38,6 +38,7 @@
 	1.5 /* what the view of the only one is worth: elsewhere, what it did not see                  \
 		   is missing */
 #define SCANNED_MANY 1.1
+#define MOUNT 3     /* cells, in which what carried a scanner may be */
 #define OUTSIDE 0.5 /* of the longest side: scanners that are further outside stood elsewhere */
 
 /* What is seen around one place. */
@@ -59,15 +60,16 @@ static void make_rays(double (*ray)[3])
 	}
 }
 
-/* Looks around; false when something is too near. */
-static bool look_around(const view_space *v, double (*ray)[3], const int32_t at[3],
+/* Looks around; false when something is too near, but for what is within the first `skipped` cells.
+ */
+static bool look_around(const view_space *v, double (*ray)[3], const int32_t at[3], int skipped,
 						panorama_view *p)
 {
 	p->hits = p->fronts = 0;
 	for (int r = 0; r < RAYS; r++) {
-		p->hit[r] = gw_view_space_look(v, at, ray[r], 0);
+		p->hit[r] = gw_view_space_look(v, at, ray[r], skipped);
 		bool floor = view_dot(ray[r], v->up) < -0.5;
-		if (p->hit[r].depth > 0 && p->hit[r].depth < LEAST_DEPTH && !floor)
+		if (skipped == 0 && p->hit[r].depth > 0 && p->hit[r].depth < LEAST_DEPTH && !floor)
 			return false;
 		const double back[3] = { -ray[r][0], -ray[r][1], -ray[r][2] };
 		p->front[r] = p->hit[r].depth > 0 && gw_view_space_facing(v, p->hit[r].cell, back) >= 0;
@@ -251,7 +253,8 @@ gw_status gw_viewpoint_is_inside(const view_space *v, bool *inside, gw_error *er
 	for (size_t i = 0; i < v->count; i++) {
 		int32_t at[3];
 		gw_view_space_place(v, i, at);
-		if (!(v->cell[i].area > 0.0f) && counter++ % every == 0 && look_around(v, ray, at, &around))
+		if (!(v->cell[i].area > 0.0f) && counter++ % every == 0 &&
+			look_around(v, ray, at, 0, &around))
 			add_place(&t, ray, &around, i);
 	}
 	*inside = decide(v, &t, ray);
@@ -352,7 +355,7 @@ static void try_place(search *s, const int32_t cell[3], double above)
 	panorama_view around;
 	const view_space *v = s->space;
 	double at[3];
-	if (!look_around(v, s->ray, cell, &around) || around.hits < LEAST_HITS * RAYS)
+	if (!look_around(v, s->ray, cell, 0, &around) || around.hits < LEAST_HITS * RAYS)
 		return;
 	for (int k = 0; k < 3; k++)
 		at[k] = v->surfels->origin[k] + v->least[k] + (cell[k] + 0.5) * v->width + above * v->up[k];
@@ -360,7 +363,8 @@ static void try_place(search *s, const int32_t cell[3], double above)
 }
 
 /* Where scanners stood in what counts, or hardly outside of it: half of what is around one that
- * turned half around is empty, and no hole is in the other half. */
+ * turned half around is empty, and no hole is in the other half. What is next to it carried it, and
+ * hides nothing that it saw. */
 static void try_scanners(search *s)
 {
 	const view_space *v = s->space;
@@ -376,7 +380,8 @@ static void try_scanners(search *s)
 			near = near && place > -reach && place < v->size[k] + reach;
 			cell[k] = near ? (int32_t)floor(place) : 0;
 		}
-		if (near && look_around(v, s->ray, cell, &around))
+		if (near && (look_around(v, s->ray, cell, 0, &around) ||
+					 look_around(v, s->ray, cell, MOUNT, &around)))
 			keep_best(s, &around, v->wish->scanner + 3 * i, count > 1 ? SCANNED_MANY : SCANNED);
 	}
 }

@@ -284,12 +284,26 @@ static void test_stage(void **state)
 	free(normal);
 }
 
+#define MOUNT_POINTS 20 /* a side */
+
+/* What carried a scanner, as it saw it itself: a square of half a metre, 10 cm below it. */
+static void fill_mount(const double scanner[3], double *position)
+{
+	for (size_t i = 0; i < MOUNT_POINTS * MOUNT_POINTS; i++) {
+		position[3 * i] = scanner[0] - 0.25 + 0.5 * (double)(i % MOUNT_POINTS) / MOUNT_POINTS;
+		position[3 * i + 1] = scanner[1] - 0.25 + 0.5 * (double)(i / MOUNT_POINTS) / MOUNT_POINTS;
+		position[3 * i + 2] = scanner[2] - 0.1;
+	}
+}
+
 /* A room of which a quarter was not scanned, in patches, is one to be in when it is known where the
- * scanner stood; and the picture is taken from there, as no hole is seen by it. */
+ * scanner stood; and the picture is taken from there, as no hole is seen by it, whatever it stood
+ * on. */
 static void test_scanned_room(void **state)
 {
 	(void)state;
-	double *position = malloc(6 * SIDE_POINTS * SIDE_POINTS * 3 * sizeof *position);
+	size_t most = 6 * SIDE_POINTS * SIDE_POINTS + MOUNT_POINTS * MOUNT_POINTS;
+	double *position = malloc(most * 3 * sizeof *position);
 	const double room[3] = { 8, 4, 3 }, scanner[3] = { 2.1, 1.9, 1.4 };
 	size_t count = fill_box(room, false, position), kept = 0;
 	for (size_t i = 0; i < count; i++) {
@@ -301,6 +315,10 @@ static void test_scanned_room(void **state)
 	gw_viewpoint_wish wish = { .scanner = scanner, .scanner_count = 1 };
 	gw_viewpoint v = find_view(position, kept, wish);
 	assert_true(v.inside);
+	assert_memory_equal(v.at, scanner, sizeof scanner);
+	assert_true(v.to[0] > 4);
+	fill_mount(scanner, position + 3 * kept);
+	v = find_view(position, kept + MOUNT_POINTS * MOUNT_POINTS, wish);
 	assert_memory_equal(v.at, scanner, sizeof scanner);
 	assert_true(v.to[0] > 4);
 	free(position);
