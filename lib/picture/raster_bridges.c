@@ -3,11 +3,13 @@
  *
  * A disc is as wide as the points next to it say. Where these lie in lines, as an airborne scanner
  * or a turning one leaves them, the next line may be further off than the disc is wide, and ground
- * shows slits. At a pixel that nothing covers there is a bridge when surface is met on both sides
- * along five of eight lines through it, as in raster_holes.c, and along one of them what is met on
- * the two sides is one surface. A gap is closed as a whole, where most of it is no wider than four
- * radii of the discs around; else its rim would be ragged. Windows are wider, and between leaves no
- * surface goes on beyond. A closed pixel shows what lies between the two ends of its bridge.
+ * shows slits; where they lie at random, as those of many stations do, it shows specks. At a pixel
+ * that nothing covers, or that shows what lies behind such a speck (raster_specks.c), there is a
+ * bridge when surface is met on both sides along five of eight lines through it, as in
+ * raster_holes.c, and along one of them what is met on the two sides is one surface. A gap is
+ * closed as a whole, where most of it is no wider than four radii of the discs around; else its rim
+ * would be ragged. Windows are wider, and between leaves no surface goes on beyond. A closed pixel
+ * shows what lies between the two ends of its bridge.
  */
 #include "picture/raster_steps.h"
 
@@ -17,10 +19,8 @@
 
 #define LINES 8
 #define LEAST_LINES 5 /* with surface on both sides */
-#define WIDEST 4.0f   /* mean radii of the discs on both sides, apart */
 #define COSINE 0.9f   /* between their normals, at least */
 #define SLOPE 0.2f    /* of the way between them against their planes, at most */
-#define FULL 0.999f   /* coverage of a pixel that has no gap */
 #define NOWHERE UINT32_MAX
 
 static const int step_of[LINES][2] = { { -1, 0 },  { 0, -1 }, { -1, -1 }, { 1, -1 },
@@ -39,43 +39,19 @@ typedef struct bridge_job {
 	uint32_t *met[2]; /* owned; a pixel each: the next one with surface, either way along a line;
 						 then the pixels of one gap */
 	bridge *best;     /* owned; a pixel each */
+	uint8_t *open;    /* owned; a gw_raster_open of each pixel */
 	uint8_t *visited; /* owned; a pixel each */
 } bridge_job;
-
-static bool is_full(const gw_gbuffer *g, size_t pixel)
-{
-	return g->coverage[pixel] > FULL;
-}
-
-/* The place that a pixel shows, in the camera's frame. */
-static void place_of(const bridge_job *job, size_t pixel, float place[3])
-{
-	int32_t samples = (int32_t)job->view->options->samples;
-	int32_t column = (int32_t)(pixel % job->g->width), row = (int32_t)(pixel / job->g->width);
-	float depth = job->g->depth[pixel], half = 0.5f * (float)(samples - 1) * job->view->step;
-	place[0] = depth * (gw_raster_ray_x(job->view, column * samples) + half);
-	place[1] = depth * (gw_raster_ray_y(job->view, row * samples) - half);
-	place[2] = depth;
-}
-
-/* Of the disc that a pixel shows; 0 when that is none, or a leaf. */
-static float radius_of(const bridge_job *job, size_t pixel)
-{
-	const gw_raster_discs *discs = &job->view->scene->discs;
-	uint32_t id = job->g->id[pixel];
-	if (id >= discs->count || (discs->two_sided && discs->two_sided[id] == GW_SIDE_FOLIAGE))
-		return 0.0f;
-	return discs->radius[id] * job->view->options->radius_scale;
-}
 
 /* The way between two pixels, radii of what they show, if that is one surface; else infinite. */
 static float span_between(const bridge_job *job, size_t a, size_t b)
 {
 	const size_t pixel[2] = { a, b };
 	float place[2][3], way[3], squared = 0.0f, cosine = 0.0f;
-	float first = radius_of(job, a), second = radius_of(job, b);
-	place_of(job, a, place[0]);
-	place_of(job, b, place[1]);
+	float first = gw_raster_radius_at(job->view, job->g, a),
+		  second = gw_raster_radius_at(job->view, job->g, b);
+	gw_raster_place_at(job->view, job->g, a, place[0]);
+	gw_raster_place_at(job->view, job->g, b, place[1]);
 	for (size_t k = 0; k < 3; k++) {
 		way[k] = place[1][k] - place[0][k];
 		squared += way[k] * way[k];
@@ -83,13 +59,8 @@ static float span_between(const bridge_job *job, size_t a, size_t b)
 	}
 	float span = sqrtf(squared), rise = 0.0f;
 	for (int i = 0; i < 2; i++) {
-		double world[3], normal[3], along = 0.0;
-		for (size_t k = 0; k < 3; k++)
-			world[k] = (double)job->g->normal[3 * pixel[i] + k];
-		gw_camera_turn(job->view->camera, world, normal);
-		for (int k = 0; k < 3; k++)
-			along += normal[k] * (double)way[k];
-		rise = fmaxf(rise, (float)fabs(along));
+		float height = gw_raster_height_over(job->view, job->g, pixel[i], way);
+		rise = fmaxf(rise, fabsf(height));
 	}
 	bool one = first > 0.0f && second > 0.0f && cosine >= COSINE && rise <= SLOPE * span;
 	return one ? span / (0.5f * (first + second)) : INFINITY;
@@ -104,7 +75,9 @@ static void meet_along(const bridge_job *job, int line, int way, uint32_t *met)
 		int64_t i = way > 0 ? n : pixels - 1 - n;
 		int64_t x = i % width + way * step_of[line][0], y = i / width + way * step_of[line][1];
 		bool inside = x >= 0 && x < width && y >= 0 && y < height;
-		met[i] = is_full(g, (size_t)i) ? (uint32_t)i : inside ? met[y * width + x] : NOWHERE;
+		met[i] = job->open[i] == GW_RASTER_FULL ? (uint32_t)i
+				 : inside                       ? met[y * width + x]
+												: NOWHERE;
 	}
 }
 
@@ -115,7 +88,7 @@ static void look_along(const bridge_job *job, int line)
 	meet_along(job, line, -1, job->met[1]);
 	for (size_t i = 0; i < (size_t)g->width * g->height; i++) {
 		uint32_t from = job->met[0][i], to = job->met[1][i];
-		if (is_full(g, i) || from == NOWHERE || to == NOWHERE)
+		if (job->open[i] == GW_RASTER_FULL || from == NOWHERE || to == NOWHERE)
 			continue;
 		bridge *best = job->best + i;
 		float span = span_between(job, from, to);
@@ -125,7 +98,7 @@ static void look_along(const bridge_job *job, int line)
 	}
 }
 
-/* Shows at a pixel what lies between the two ends of its bridge. What the pixel shows by itself
+/* Shows at a pixel what lies between the two ends of its bridge. What covers a part of the pixel
  * stays, and covers all of it. */
 static void cross_pixel(const bridge_job *job, size_t pixel)
 {
@@ -134,7 +107,7 @@ static void cross_pixel(const bridge_job *job, size_t pixel)
 	size_t width = g->width, end[2] = { b->from, b->to };
 	float share[2];
 	g->coverage[pixel] = 1.0f;
-	if (g->id[pixel] != GW_RASTER_NOTHING)
+	if (job->open[pixel] == GW_RASTER_PARTLY)
 		return;
 	for (int e = 0; e < 2; e++)
 		share[1 - e] = hypotf((float)(pixel % width) - (float)(end[e] % width),
@@ -175,7 +148,7 @@ static size_t find_gap(const bridge_job *job, size_t first)
 		const size_t next[4] = { x > 0 ? at - 1 : at, x + 1 < width ? at + 1 : at,
 								 y > 0 ? at - width : at, y + 1 < height ? at + width : at };
 		for (int n = 0; n < 4; n++)
-			if (!job->visited[next[n]] && !is_full(job->g, next[n])) {
+			if (!job->visited[next[n]] && job->open[next[n]] != GW_RASTER_FULL) {
 				job->visited[next[n]] = 1;
 				pixel[count++] = (uint32_t)next[n];
 			}
@@ -186,12 +159,12 @@ static size_t find_gap(const bridge_job *job, size_t first)
 static void close_gaps(const bridge_job *job)
 {
 	for (size_t i = 0; i < (size_t)job->g->width * job->g->height; i++) {
-		if (job->visited[i] || is_full(job->g, i))
+		if (job->visited[i] || job->open[i] == GW_RASTER_FULL)
 			continue;
 		size_t count = find_gap(job, i), narrow = 0;
 		for (size_t n = 0; n < count; n++) {
 			const bridge *b = job->best + job->met[0][n];
-			narrow += has_bridge(b) && b->span <= WIDEST;
+			narrow += has_bridge(b) && b->span <= GW_RASTER_WIDEST_GAP;
 		}
 		for (size_t n = 0; n < count && 2 * narrow > count; n++)
 			if (has_bridge(job->best + job->met[0][n]))
@@ -207,7 +180,10 @@ gw_status gw_raster_gaps_bridge(const gw_raster_view *view, gw_gbuffer *g, gw_er
 	job.met[1] = gw_allocate_array(pixels, sizeof *job.met[1]);
 	job.best = gw_allocate_zeros(pixels, sizeof *job.best);
 	job.visited = gw_allocate_zeros(pixels, sizeof *job.visited);
-	bool good = job.met[0] && job.met[1] && job.best && job.visited;
+	job.open = gw_allocate_zeros(pixels, sizeof *job.open);
+	bool good = job.met[0] && job.met[1] && job.best && job.visited && job.open;
+	if (good)
+		gw_raster_specks_find(view, g, job.met[0], job.open);
 	for (int line = 0; line < LINES && good; line++)
 		look_along(&job, line);
 	if (good)
@@ -215,6 +191,7 @@ gw_status gw_raster_gaps_bridge(const gw_raster_view *view, gw_gbuffer *g, gw_er
 	free(job.met[0]);
 	free(job.met[1]);
 	free(job.best);
+	free(job.open);
 	free(job.visited);
 	return good ? GW_OK : gw_fail(error, GW_ERROR_MEMORY, "no memory to close gaps");
 }

@@ -5,7 +5,8 @@
  *   bins    gw_raster_bins_make    which primitives reach into which tile
  *   tile    gw_raster_tile_draw    the two passes over one tile, and its pixels
  *   holes   gw_raster_holes_close  which pixels that only edges hide are shown
- *   bridges gw_raster_gaps_bridge  which pixels between lines of points are
+ *   specks  gw_raster_specks_find  which pixels show what lies behind narrow holes
+ *   bridges gw_raster_gaps_bridge  which pixels in narrow gaps are shown
  *
  * Samples are counted from 0 at the left and the top; the middle of sample (i, j) is at
  * (i + 1/2, j + 1/2). A ray through it has the direction (x, y, 1) in the camera's frame.
@@ -173,6 +174,37 @@ void gw_raster_tile_draw(const gw_raster_view *view, const gw_raster_bins *bins,
  */
 gw_status gw_raster_holes_close(const gw_raster_view *view, const gw_raster_cover *cover,
 								gw_gbuffer *gbuffer, gw_error *error);
+
+/* Mean radii of the discs around, that a gap is wide at most which is closed. */
+#define GW_RASTER_WIDEST_GAP 4.0f
+
+/* What a pixel misses of the surface around it: nothing; all of it; all, and it shows what lies
+ * behind; or a part. */
+typedef enum gw_raster_open {
+	GW_RASTER_FULL,
+	GW_RASTER_EMPTY,
+	GW_RASTER_BEHIND,
+	GW_RASTER_PARTLY
+} gw_raster_open;
+
+/* The place that a pixel shows, camera's frame, metres. */
+void gw_raster_place_at(const gw_raster_view *view, const gw_gbuffer *gbuffer, size_t pixel,
+						float place[3]);
+
+/* Radius of the disc that a pixel shows, metres; 0 when that is none, or a leaf. */
+float gw_raster_radius_at(const gw_raster_view *view, const gw_gbuffer *gbuffer, size_t pixel);
+
+/* How far a way from what a pixel shows leads off its plane, metres, to where its normal points. */
+float gw_raster_height_over(const gw_raster_view *view, const gw_gbuffer *gbuffer, size_t pixel,
+							const float way[3]);
+
+/*
+ * What each pixel misses.
+ *   scratch   a number a pixel, for the time of the call
+ *   open      out, a gw_raster_open a pixel
+ */
+void gw_raster_specks_find(const gw_raster_view *view, const gw_gbuffer *gbuffer, uint32_t *scratch,
+						   uint8_t *open);
 
 /*
  * Then closes gaps between discs of one surface that are narrow for these. Only for discs that are

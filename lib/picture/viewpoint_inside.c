@@ -17,6 +17,7 @@
 #define LEAST_PLACES 5   /* fewer are a crack */
 #define LEAST_SEEN 0.4   /* share of the surface that is seen from them */
 #define LEAST_FRONTS 0.6 /* share of what the rays meet */
+#define SURE_FRONTS 0.85 /* the same of a room of which much was not scanned, and of no fence */
 #define PEOPLE_FIT 3.0   /* metres, least length of a space for people */
 #define FLOOR_SLOPE 0.87 /* cosine of the steepest floor, 30 degrees */
 #define LEAST_FLOOR 0.1  /* share of the surface that is floor */
@@ -171,10 +172,10 @@ static bool scanners_within(const view_space *v, double (*ray)[3])
 	return 2 * within > tried;
 }
 
-/* Whether fronts are known, and are what is seen from the places. */
-static bool see_fronts(const view_space *v, const tally *t)
+/* Whether fronts are known, and are what is seen from the places, so much of it. */
+static bool see_fronts(const view_space *v, const tally *t, double share)
 {
-	return v->sided && (double)t->fronts >= LEAST_FRONTS * (double)t->hits;
+	return v->sided && (double)t->fronts >= share * (double)t->hits;
 }
 
 /* Whether the places are closed in, but for holes: a stage is open to one side. */
@@ -184,7 +185,8 @@ static bool is_closed(const view_space *v, const tally *t)
 	double misses = (double)(t->places * RAYS - t->hits);
 	bool holes = sqrt(view_dot(t->out, t->out)) < ONE_SIDE * misses;
 	return t->places >= LEAST_PLACES &&
-		   (share > CLOSED || (holes && share > (see_fronts(v, t) ? CLOSED_SEEN : CLOSED_HOLES)));
+		   (share > CLOSED ||
+			(holes && share > (see_fronts(v, t, SURE_FRONTS) ? CLOSED_SEEN : CLOSED_HOLES)));
 }
 
 /* Whether a space has corners to look around, or a floor that is flat; a ball has neither. */
@@ -225,9 +227,9 @@ static bool decide(const view_space *v, const tally *t, double (*ray)[3])
 	if (visible < LEAST_SEEN)
 		return false;
 	if (v->given)
-		return see_fronts(v, t);
+		return see_fronts(v, t, LEAST_FRONTS);
 	if (v->wish->scanner_count > 0)
-		return scanners_within(v, ray) || see_fronts(v, t);
+		return scanners_within(v, ray) || see_fronts(v, t, LEAST_FRONTS);
 	for (int k = 0; k < 3; k++)
 		longest = fmax(longest, v->high[k] - v->low[k]);
 	return longest > PEOPLE_FIT && floor > LEAST_FLOOR && is_room(v, t);

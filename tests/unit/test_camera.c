@@ -296,6 +296,19 @@ static void fill_mount(const double scanner[3], double *position)
 	}
 }
 
+/* A box of which one in so many patches was not scanned; how many points it has. */
+static size_t scan_in_patches(const double box[3], size_t every, double *position)
+{
+	size_t count = fill_box(box, false, position), kept = 0;
+	for (size_t i = 0; i < count; i++) {
+		size_t column = i % SIDE_POINTS / 8, row = i / SIDE_POINTS % SIDE_POINTS / 8;
+		if ((column + 2 * row) % every == 0)
+			continue;
+		memmove(position + 3 * kept++, position + 3 * i, 3 * sizeof *position);
+	}
+	return kept;
+}
+
 /* A room of which a quarter was not scanned, in patches, is one to be in when it is known where the
  * scanner stood; and the picture is taken from there, as no hole is seen by it, whatever it stood
  * on. */
@@ -305,13 +318,7 @@ static void test_scanned_room(void **state)
 	size_t most = 6 * SIDE_POINTS * SIDE_POINTS + MOUNT_POINTS * MOUNT_POINTS;
 	double *position = malloc(most * 3 * sizeof *position);
 	const double room[3] = { 8, 4, 3 }, scanner[3] = { 2.1, 1.9, 1.4 };
-	size_t count = fill_box(room, false, position), kept = 0;
-	for (size_t i = 0; i < count; i++) {
-		size_t column = i % SIDE_POINTS / 8, row = i / SIDE_POINTS % SIDE_POINTS / 8;
-		if ((column + 2 * row) % 4 == 0)
-			continue;
-		memmove(position + 3 * kept++, position + 3 * i, 3 * sizeof *position);
-	}
+	size_t kept = scan_in_patches(room, 4, position);
 	gw_viewpoint_wish wish = { .scanner = scanner, .scanner_count = 1 };
 	gw_viewpoint v = find_view(position, kept, wish);
 	assert_true(v.inside);
@@ -322,6 +329,40 @@ static void test_scanned_room(void **state)
 	assert_memory_equal(v.at, scanner, sizeof scanner);
 	assert_true(v.to[0] > 4);
 	free(position);
+}
+
+/* A room of which half was scanned is one to be in; it is none where a quarter of what is seen are
+ * backs, in pieces of a metre, as between the wires of a fence: it is seen from outside. */
+static void test_fence_is_no_room(void **state)
+{
+	(void)state;
+	double *position = malloc(6 * SIDE_POINTS * SIDE_POINTS * 3 * sizeof *position);
+	float *normal = malloc(6 * SIDE_POINTS * SIDE_POINTS * 3 * sizeof *normal);
+	const double room[3] = { 8, 4, 3 };
+	bool inside[2];
+	for (size_t backs = 0; backs < 2; backs++) {
+		size_t count = scan_in_patches(room, 2, position);
+		for (size_t i = 0; i < 3 * count; i++) {
+			bool low = position[i] <= 0, high = position[i] >= room[i % 3];
+			const double *p = position + i / 3 * 3;
+			bool back = backs && ((int)p[0] + (int)p[1] + (int)p[2]) % 4 == 0;
+			float front = back ? -1.0f : 1.0f;
+			normal[i] = low ? front : high ? -front : 0.0f;
+		}
+		gw_points points = { .count = count, .position = position, .normal = normal };
+		gw_surfels_options options = { .threads = 1, .normals = GW_NORMALS_GIVEN };
+		gw_viewpoint_wish wish = { .up = 'z', .aspect = 1 };
+		gw_surfels s;
+		gw_viewpoint v;
+		assert_int_equal(gw_surfels_make(&points, &options, &s, NULL), GW_OK);
+		assert_int_equal(gw_viewpoint_find(&s, &wish, &v, NULL), GW_OK);
+		inside[backs] = v.inside;
+		gw_surfels_clear(&s);
+	}
+	assert_true(inside[0]);
+	assert_false(inside[1]);
+	free(position);
+	free(normal);
 }
 
 /* One point 300 m away, and one before the camera, change the distance of the camera by no more
@@ -615,6 +656,7 @@ int main(void)
 		cmocka_unit_test(test_ball),
 		cmocka_unit_test(test_stage),
 		cmocka_unit_test(test_scanned_room),
+		cmocka_unit_test(test_fence_is_no_room),
 		cmocka_unit_test(test_strays),
 		cmocka_unit_test(test_around),
 		cmocka_unit_test(test_scanner_side),

@@ -304,6 +304,42 @@ static void test_lines_of_points(void **state)
 	assert_true(open_area(4, 60, 0, 0.4f) > 60 * 3 * 3.75 * 3.75);
 }
 
+/* How many pixels show anything of a plane that lies behind a square hole, so many discs wide, in
+ * the one before it. */
+static size_t pixels_behind(size_t hole, uint32_t samples)
+{
+	discs near = make_plane(2, 0), d = make_discs(2 * 101 * 101);
+	for (size_t i = 0; i < 101 * 101; i++) {
+		const float *p = near.position + 3 * i;
+		size_t row = i / 101, column = i % 101, first = 50 - hole / 2;
+		bool missing =
+			row >= first && row < first + hole && column >= first && column < first + hole;
+		set_disc(&d, i, (float[]){ p[0], missing ? -2 : p[1], p[2] }, 0.05f, 2);
+		set_disc(&d, 101 * 101 + i, (float[]){ 2 * p[0], 4, 2 * p[2] }, 0.1f, 5);
+	}
+	gw_gbuffer g = draw(&d.scene, 300, samples, 1, false);
+	size_t count = 0;
+	for (size_t i = 0; i < 300 * 300; i++) {
+		assert_true(g.coverage[i] == 1.0f);
+		count += fabsf(g.channel[i] - 2) >= 1e-5f;
+	}
+	gw_gbuffer_clear(&g);
+	free_discs(&near);
+	free_discs(&d);
+	return count;
+}
+
+/* What lies behind holes up to 3 radii wide is not seen, nor in pixels at their rims that show some
+ * of both; that behind a window of 7 radii is. */
+static void test_specks(void **state)
+{
+	(void)state;
+	for (size_t hole = 2; hole <= 4; hole++)
+		for (uint32_t samples = 1; samples <= 2; samples++)
+			assert_int_equal(pixels_behind(hole, samples), 0);
+	assert_true((double)pixels_behind(8, 1) > 6 * 6 * 3.75 * 3.75);
+}
+
 /* Of half a spacing's noise nothing is seen through either. */
 static void test_noisy_plane_has_no_holes(void **state)
 {
@@ -756,6 +792,7 @@ int main(void)
 		cmocka_unit_test(test_noisy_plane_has_no_holes),
 		cmocka_unit_test(test_holes_are_filled),
 		cmocka_unit_test(test_lines_of_points),
+		cmocka_unit_test(test_specks),
 		cmocka_unit_test(test_holes_are_no_boxes),
 		cmocka_unit_test(test_edges_end_within_tiles),
 		cmocka_unit_test(test_fronts_hide_backs),
