@@ -539,6 +539,20 @@ gw_status gw_render_octree_reflect(gw_render_octree *octree, const gw_pixels *pi
 								   const gw_reflection *reflection, float *reflected,
 								   gw_error *error);
 
+struct gw_probes; /* glowworm_probes.h */
+
+/*
+ * The same by the maps of probes instead of an octree (Wang 2018, section 4.3): rays leave the
+ * pixels alike, and see what gw_probes_look says. As fine as the texels of the maps, and wrong
+ * where no probe sees what a ray meets. probes      of the same points, lit origin
+ * gw_surfels.origin of the frame that the pixels are in, metres reflected   as of
+ * gw_render_octree_reflect Of the reflection `rays`, `seed` and `cancelled` count.
+ * GW_ERROR_CANCELLED. Thread-safe.
+ */
+gw_status gw_probes_reflect(const struct gw_probes *probes, const double origin[3],
+							const gw_pixels *pixels, const gw_reflection *reflection,
+							float *reflected, gw_error *error);
+
 /*
  * Radiance sampled from the bricks of the leaves.
  *   cubic      by a B-spline over 4x4x4 voxels, else linear over 2x2x2

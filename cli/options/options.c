@@ -132,11 +132,11 @@ static const char *view_name(int i)
 
 static const char *glossy_name(int i)
 {
-	static const char *const name[] = { [SETTINGS_GLOSSY_OFF] = "off",
-										[SETTINGS_GLOSSY_RAYS] = "rays",
-										[SETTINGS_GLOSSY_CONES] = "cones",
-										[SETTINGS_GLOSSY_CACHES] = "caches",
-										[SETTINGS_GLOSSY_COUNT] = NULL };
+	static const char *const name[] = {
+		[SETTINGS_GLOSSY_OFF] = "off",       [SETTINGS_GLOSSY_RAYS] = "rays",
+		[SETTINGS_GLOSSY_CONES] = "cones",   [SETTINGS_GLOSSY_CACHES] = "caches",
+		[SETTINGS_GLOSSY_PROBES] = "probes", [SETTINGS_GLOSSY_COUNT] = NULL
+	};
 	return name[i];
 }
 
@@ -391,7 +391,8 @@ const option options[] = {
 	  .help = "how glossy points (column specular) of a lit cloud reflect what is around them: by "
 			  "rays; by one cone a pixel, free of noise but blurred and leaky; by radiance caches "
 			  "that rough pixels share, many times as quick (roughness 0.3 and above; the rest by "
-			  "rays); or not" },
+			  "rays); by the maps of placed probes, as an engine would that has those which "
+			  "`glowworm probes` writes; or not" },
 	{ "effects", 0, "LIST", OPTION_EFFECTS, FOR(RENDER), AT(render.effects),
 	  .choice = picture_effect_name, .group = "Picture",
 	  .help = "-gloss shows glossy points by the light that a bake gave them, as `--glossy off` "
@@ -569,9 +570,11 @@ const option options[] = {
 	{ "volume-sh", 0, "N", OPTION_COUNT, FOR(BAKE | PLAN | ALBEDO | PROBES), .scene = true,
 	  AT(bake.volume_harmonics), RANGE(4.0, 9.0), .group = "Light",
 	  .help = "spherical harmonics that each of these cells keeps of its light: 4 or 9" },
-	{ "probe-size", 0, "N", OPTION_COUNT, FOR(BAKE | PLAN | ALBEDO | PROBES), .scene = true,
-	  AT(bake.probe_size), RANGE(GW_PROBE_SIZE_LEAST, GW_PROBE_SIZE_MOST), .group = "Light",
-	  .help = "texels a side of a probe's maps, a power of two, for --method probes" },
+	{ "probe-size", 0, "N", OPTION_COUNT, FOR(BAKE | PLAN | RENDER | ALBEDO | PROBES),
+	  .scene = true, AT(bake.probe_size), RANGE(GW_PROBE_SIZE_LEAST, GW_PROBE_SIZE_MOST),
+	  .group = "Light",
+	  .help = "texels a side of a probe's maps, a power of two, for --method probes and --glossy "
+			  "probes" },
 	{ "record-spacing", 0, "X", OPTION_REAL, FOR(BAKE | PLAN | RENDER | ALBEDO | PROBES),
 	  .scene = true, AT(bake.record_spacing), RANGE(0.0, 64.0), .group = "Light",
 	  .help = "leaf cells between records; 0 puts one on every surface of every leaf" },

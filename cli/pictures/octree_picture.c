@@ -2,6 +2,7 @@
 #include "glowworm_host.h"
 #include "pictures/gloss_filter.h"
 #include "pictures/scene_octree.h"
+#include "pictures/lit_probes.h"
 #include "scene/glossy_points.h"
 #include "scene/sky_light.h"
 #include "program/signals.h"
@@ -42,14 +43,18 @@ static bool is_glossy(const render_scene *scene)
 	return false;
 }
 
-/* What the lights say of the sky, for what is met where nothing else is. */
-static gw_status put_sky(const settings *s, char up, octree_picture *p, gw_error *error)
+/* What glossy points reflect where rays meet no surface: what the lights say of the sky. Probes see
+ * it themselves. */
+static gw_status prepare_gloss(const settings *s, const render_scene *scene, octree_picture *p,
+							   gw_error *error)
 {
 	sky_light sky;
-	GW_TRY(sky_light_find(s, up, &sky, error));
+	GW_TRY(sky_light_find(s, scene->up, &sky, error));
 	memcpy(p->reflection.sky, sky.radiance, sizeof p->reflection.sky);
 	gw_status status = GW_OK;
-	if (sky.has_map)
+	if (s->render.glossy == SETTINGS_GLOSSY_PROBES)
+		status = lit_probes_make(s, scene, &sky, &p->probes, error);
+	else if (sky.has_map)
 		status = gw_render_octree_set_sky(p->octree, &sky.light, error);
 	sky_light_clear(&sky);
 	return status;
@@ -70,13 +75,14 @@ gw_status octree_picture_open(const settings *s, const render_scene *scene, octr
 	if (!p->glossy && !p->voxels)
 		return GW_OK;
 	double start = gw_seconds();
-	gw_status status =
-		scene_octree_create(s, scene, p->voxels || p->reflection.cone, &p->octree, error);
+	gw_status status = GW_OK;
+	if (p->voxels || s->render.glossy != SETTINGS_GLOSSY_PROBES)
+		status = scene_octree_create(s, scene, p->voxels || p->reflection.cone, &p->octree, error);
+	if (status == GW_OK && p->glossy)
+		status = prepare_gloss(s, scene, p, error);
 	if (status == GW_ERROR_NO_DEVICE && !p->voxels && error)
 		snprintf(error->text + strlen(error->text), sizeof error->text - strlen(error->text),
 				 "; --glossy off needs none");
-	if (status == GW_OK && p->glossy)
-		status = put_sky(s, scene->up, p, error);
 	p->build_seconds = gw_seconds() - start;
 	return status;
 }
@@ -84,6 +90,7 @@ gw_status octree_picture_open(const settings *s, const render_scene *scene, octr
 void octree_picture_clear(octree_picture *p)
 {
 	gw_render_octree_destroy(&p->octree);
+	gw_probes_destroy(&p->probes);
 	*p = (octree_picture){ .octree = NULL };
 }
 
@@ -237,7 +244,10 @@ static gw_status reflect(octree_picture *p, const render_scene *scene, const gw_
 	asked a;
 	gw_status status = ask(scene, camera, g, true, &a, error);
 	if (status == GW_OK)
-		status = gw_render_octree_reflect(p->octree, &a.pixels, &p->reflection, a.answer, error);
+		status = p->probes ? gw_probes_reflect(p->probes, scene->surfels.origin, &a.pixels,
+											   &p->reflection, a.answer, error)
+						   : gw_render_octree_reflect(p->octree, &a.pixels, &p->reflection,
+													  a.answer, error);
 	if (status == GW_OK && !p->reflection.cone)
 		status = gloss_filter_apply(&a.pixels, p->reflection.rays, a.answer, error);
 	for (size_t j = 0; status == GW_OK && j < a.pixels.count; j++) {

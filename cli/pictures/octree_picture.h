@@ -1,19 +1,21 @@
 /*
  * octree_picture.h - what a picture takes from an octree: reflections on glossy points, and light
- * sampled from voxels.
+ * sampled from voxels; or from probes.
  */
 #ifndef OCTREE_PICTURE_H
 #define OCTREE_PICTURE_H
 
 #include "glowworm_picture.h"
+#include "glowworm_probes.h"
 #include "pictures/render_scene.h"
 
 typedef struct octree_picture {
 	gw_render_octree *octree; /* owned; NULL when the picture needs none */
+	gw_probes *probes;        /* owned; NULL unless they are to show what is reflected */
 	bool glossy, voxels;      /* what it is for */
 	bool cubic;
 	gw_reflection reflection;
-	double build_seconds, seconds; /* to make the octree; to read it */
+	double build_seconds, seconds; /* to make octree and probes; to read them */
 	uint64_t pixels;               /* that were glossy, so far */
 } octree_picture;
 
@@ -21,10 +23,10 @@ typedef struct octree_picture {
 uint32_t octree_picture_channels(const settings *settings);
 
 /*
- * Builds the octree, if the settings and the points call for one.
+ * Builds the octree, or places probes, if the settings and the points call for them.
  *   scene     lit
  *   picture   on success cleared with octree_picture_clear; empty on failure
- * Fails as gw_render_octree_create.
+ * Fails as gw_render_octree_create and lit_probes_make.
  */
 gw_status octree_picture_open(const settings *settings, const render_scene *scene,
 							  octree_picture *picture, gw_error *error);

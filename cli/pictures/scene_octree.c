@@ -3,8 +3,7 @@
 
 #include <stdlib.h>
 
-/* Radiance of the surfels, or zeros of an unlit cloud; freed by the caller. */
-static float *radiance_of(const render_scene *scene)
+float *scene_octree_radiance(const render_scene *scene)
 {
 	size_t stride = scene->raster.channel_count;
 	float *radiance = calloc(scene->surfels.count, 3 * sizeof *radiance);
@@ -24,7 +23,7 @@ gw_status scene_octree_create(const settings *s, const render_scene *scene, bool
 											   .depth = s->bake.depth,
 											   .leaf_spacing = s->bake.leaf_spacing,
 											   .bricks = bricks };
-	float *radiance = radiance_of(scene);
+	float *radiance = scene_octree_radiance(scene);
 	if (!radiance)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the light of %zu points",
 					   scene->surfels.count);

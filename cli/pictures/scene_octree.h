@@ -15,4 +15,8 @@
 gw_status scene_octree_create(const settings *settings, const render_scene *scene, bool bricks,
 							  gw_render_octree **octree, gw_error *error);
 
+/* Radiance of the surfels, W/(sr m^2), 3 each, or zeros of an unlit cloud; for free(). NULL without
+ * memory. */
+float *scene_octree_radiance(const render_scene *scene);
+
 #endif

@@ -6,7 +6,7 @@
 #include "base/memory.h"
 #include "base/shader_math.h"
 #include "picture/gloss_clusters.h"
-#include "picture/gloss_facing.h"
+#include "picture/gloss_functions.h"
 
 #include <stdlib.h>
 

@@ -6,7 +6,7 @@
 #include "base/memory.h"
 #include "light/octahedral.h"
 #include "picture/gloss_cache.h"
-#include "picture/gloss_facing.h"
+#include "picture/gloss_functions.h"
 
 #include <stdlib.h>
 

@@ -393,6 +393,16 @@ inline float fract(float v)
 	return v - floorf(v);
 }
 
+inline vec2 fract(vec2 v)
+{
+	return vec2(fract(v.x), fract(v.y));
+}
+
+inline float ceil(float v)
+{
+	return ceilf(v);
+}
+
 inline float exp2(float v)
 {
 	return exp2f(v);

@@ -80,4 +80,28 @@ vec3 reflected_direction(vec3 normal, vec3 to_eye, float roughness, float reflec
 	return normalize(t * light.x + b * light.y + normal * light.z);
 }
 
+/* Share of the light reflected from which on a pixel takes all its rays, and the fewest that a
+ * rough one takes. */
+#define STRONG_GLOSS 0.3f
+#define LEAST_GLOSS_RAYS 8u
+
+/* Rays that a pixel takes, of so many at most: what is hardly reflected may be noisy, as the rest
+ * of the light hides it. */
+uint gloss_rays(float roughness, float share, uint most)
+{
+	if (roughness * roughness < MIRROR_ALPHA)
+		return 1u;
+	float part = min(1.0f, share / STRONG_GLOSS);
+	uint least = min(most, LEAST_GLOSS_RAYS);
+	return clamp(uint(ceil(part * float(most))), least, most);
+}
+
+/* Where in the unit square the k-th of them lies, of the pixel with this word. Multiples of the
+ * powers of the plastic number fill the square evenly (Roberts 2018). */
+vec2 gloss_place(uint own, uint k)
+{
+	vec2 turn = vec2(unit_float(own), unit_float(pcg_hash(own)));
+	return fract(turn + float(k) * vec2(0.7548776662f, 0.5698402910f));
+}
+
 #endif

@@ -50,21 +50,6 @@ layout(push_constant) uniform Push
 #include "picture/disc_light.glsl"
 #include "picture/sky_seen.glsl"
 
-/* Share of the light reflected from which on a pixel takes all its rays, and the fewest that a
- * rough one takes. */
-const float STRONG = 0.3;
-const uint LEAST_RAYS = 8u;
-
-/* What is hardly reflected may be noisy: the rest of the light hides it. */
-uint rays_of(float roughness, float share)
-{
-	if (roughness * roughness < MIRROR_ALPHA)
-		return 1u;
-	float part = min(1.0, share / STRONG);
-	uint least = min(push.rays, LEAST_RAYS);
-	return clamp(uint(ceil(part * float(push.rays))), least, push.rays);
-}
-
 void main()
 {
 	uint i = gl_GlobalInvocationID.x;
@@ -75,14 +60,12 @@ void main()
 	vec3 to_eye = normalize(push.eye.xyz - g);
 	vec3 normal = face_eye(pixel_normal[i].xyz, to_eye);
 	uint own = pcg_hash2(push.pixel_first + push.first + i, push.seed);
-	vec2 turn = vec2(unit_float(own), unit_float(pcg_hash(own)));
-	uint rays = rays_of(roughness, fresnel(reflectance, dot(normal, to_eye)));
+	uint rays = gloss_rays(roughness, fresnel(reflectance, dot(normal, to_eye)), push.rays);
 	if (push.ray >= rays)
 		return;
-	/* Multiples of the powers of the plastic number fill the square evenly (Roberts 2018). */
-	vec2 u = fract(turn + float(push.ray) * vec2(0.7548776662, 0.5698402910));
 	float share;
-	vec3 direction = reflected_direction(normal, to_eye, roughness, reflectance, u, share);
+	vec3 direction = reflected_direction(normal, to_eye, roughness, reflectance,
+										 gloss_place(own, push.ray), share);
 	Ray ray = { g, direction, normal, g, GW_FAR, false };
 	float through, chance = stratified(pcg_hash2(own, GW_OPACITY_SEED), push.ray);
 	Hit hit = trace_through(ray, chance, through);

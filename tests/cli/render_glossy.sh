@@ -133,7 +133,7 @@ awk '{ if (!($0 in seen)) seen[$0] = ++n; printf "%d ", seen[$0] }
 	printf '#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n'
 	printf '\310\000\100\177\310\000\100\177'
 } >red.hdr
-for how in rays cones; do
+for how in rays cones probes; do
 	for sky in 'map red.hdr' 'radiance 0.3916015625,0.0009765625,0.1259765625' \
 		'radiance 0.1259765625,0.0009765625,0.3916015625' 'radiance 0.3916015625'; do
 		# shellcheck disable=SC2086
@@ -151,6 +151,7 @@ run 66 render mirror.ply -o x.png --light 'sky map none.hdr'
 run 2 render mirror.ply -o x.png --up x --light 'sky map even.hdr'
 run 2 render lit.ply -o x.png --glossy maybe
 run 2 render lit.ply -o x.png --glossy-rays 0
+run 2 render lit.ply -o x.png --glossy probes --probe-size 48
 run 2 render lit.ply -o x.png --radiance linear
 run 69 render lit.ply -o x.png --device nothing-like-it 2>&1 | sed "s/; there are.*//"
 run 65 render box.ply -o x.png --radiance tricubic
