@@ -404,15 +404,15 @@ gw_status gw_lighting_bounce(gw_lighting *lighting, gw_error *error)
 	gw_scene *s = lighting->scene;
 	gw_report *report = s->report;
 	const gw_trace_step steps[GW_METHOD_COUNT] = {
-		[GW_METHOD_RAYS] = { gather_by_hits, gather_patches, &s->rays, lighting },
-		[GW_METHOD_PROBES] = { gather_by_hits, gather_patches, &s->rays, lighting },
-		[GW_METHOD_BUFFERS] = { gather_by_hits, gather_patches, NULL, lighting },
+		[GW_METHOD_RAYS] = { gather_by_hits, gather_patches, NULL, &s->rays, lighting },
+		[GW_METHOD_PROBES] = { gather_by_hits, gather_patches, NULL, &s->rays, lighting },
+		[GW_METHOD_BUFFERS] = { gather_by_hits, gather_patches, NULL, NULL, lighting },
 		[GW_METHOD_CONES] = { .gather = gather_by_cones, .self = lighting },
 		[GW_METHOD_VOLUME] = { .gather = gw_volume_light_gather,
-							   .gather_first = gw_volume_light_gather_first,
+							   .gather_apart = gw_volume_light_gather_apart,
 							   .self = lighting },
 		[GW_METHOD_LPV] = { .gather = gw_volume_light_gather,
-							.gather_first = gw_volume_light_gather_first,
+							.gather_apart = gw_volume_light_gather_apart,
 							.self = lighting },
 	};
 	bool rays = gw_method_keeps_hits(s->options.method);

@@ -19,7 +19,7 @@
 #include <string.h>
 
 #define MAGIC "glowworm transport\n"
-#define VERSION 16u
+#define VERSION 17u
 
 /* Blocks are read and checked in chunks, by all threads. */
 #define CHUNK_BYTES (UINT64_C(1) << 20)

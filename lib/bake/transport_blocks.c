@@ -23,8 +23,8 @@
 #define OFF 2u           /* how far normals are off */
 #define POINTS_ALBEDO 4u /* of points that share surfels */
 #define CUT 8u           /* discs are, of which a coarser octree is made */
-#define BENT 16u         /* likewise */
-#define CREASED 32u      /* likewise */
+#define BENT 16u         /* bends of discs, for the estimated error as well */
+#define CREASED 32u      /* discs are, of which a coarser octree is made */
 #define MOMENTS 64u      /* of what emitters brought to the records */
 
 /* What of discs an octree takes that is made from the surfels again. */
@@ -33,7 +33,7 @@ static uint32_t discs_of(const gw_scene *scene)
 	const gw_surfels *s = &scene->surfels;
 	if (!s->clip || !gw_compartments_are_coarser(&scene->octree, s))
 		return 0;
-	return CUT | (s->bend ? BENT : 0) | (s->creased ? CREASED : 0);
+	return CUT | (s->creased ? CREASED : 0);
 }
 
 gw_transport_numbers gw_transport_numbers_of(const gw_scene *scene)
@@ -73,7 +73,7 @@ gw_transport_numbers gw_transport_numbers_of(const gw_scene *scene)
 	n.opened = scene->rays.through.handle != VK_NULL_HANDLE;
 	n.emits = gw_surfels_emit(s) ? 1 : s->emission ? 2 : 0;
 	n.optional = (s->shading_normal ? NOISY : 0) | (s->shading_normal_off ? OFF : 0) |
-				 (s->albedo_of_point ? POINTS_ALBEDO : 0) | discs_of(scene) |
+				 (s->albedo_of_point ? POINTS_ALBEDO : 0) | (s->bend ? BENT : 0) | discs_of(scene) |
 				 (scene->sampled_moment.handle ? MOMENTS : 0);
 	n.check_points = scene->check_points.count;
 	n.check_point_rays = scene->check_points.rays;

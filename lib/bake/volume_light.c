@@ -51,22 +51,20 @@ gw_status gw_volume_light_first(gw_lighting *lighting, gw_error *error)
 						error);
 }
 
+gw_status gw_volume_light_gather_apart(void *self, const gw_buffer *facet_radiance, float largest,
+									   gw_error *error)
+{
+	const float black[3] = { 0 };
+	return gather(((gw_lighting *)self)->scene, &(gw_volume_light){ facet_radiance, black, NULL },
+				  largest, error);
+}
+
 gw_status gw_volume_light_gather(void *self, const gw_buffer *facet_radiance, float largest,
 								 gw_error *error)
 {
-	const float black[3] = { 0 };
 	gw_scene *s = ((gw_lighting *)self)->scene;
-	GW_TRY(gather(s, &(gw_volume_light){ facet_radiance, black, NULL }, largest, error));
+	GW_TRY(gw_volume_light_gather_apart(self, facet_radiance, largest, error));
 	return gw_radiance_volume_add(&s->passes, &s->volume, error);
-}
-
-gw_status gw_volume_light_gather_first(void *self, const gw_buffer *facet_radiance, float largest,
-									   gw_error *error)
-{
-	gw_scene *s = ((gw_lighting *)self)->scene;
-	/* What was gathered to bound the bounces is no light. */
-	GW_TRY(gw_radiance_volume_clear_sum(&s->passes, &s->volume, error));
-	return gw_volume_light_gather(self, facet_radiance, largest, error);
 }
 
 gw_status gw_volume_light_read_back(gw_lighting *lighting, gw_error *error)

@@ -11,11 +11,11 @@
  * see the even sky and large emitters. */
 gw_status gw_volume_light_first(gw_lighting *lighting, gw_error *error);
 
-/* Trace steps of bounces.h; self: the gw_lighting. What they fill in is added up in the volume from
- * the first one on. */
+/* Trace steps of bounces.h; self: the gw_lighting. What is gathered is added up in the volume,
+ * unless apart. */
 gw_status gw_volume_light_gather(void *self, const gw_buffer *facet_radiance, float largest,
 								 gw_error *error);
-gw_status gw_volume_light_gather_first(void *self, const gw_buffer *facet_radiance, float largest,
+gw_status gw_volume_light_gather_apart(void *self, const gw_buffer *facet_radiance, float largest,
 									   gw_error *error);
 
 /* Reflected light at every surfel, from the volume itself instead of from records. */

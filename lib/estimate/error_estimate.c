@@ -13,6 +13,7 @@
 #include "normals/normal_error.h"
 #include "base/parallel.h"
 #include "estimate/check_point_choice.h"
+#include "estimate/hit_light.h"
 #include "estimate/shadow_error.h"
 #include "estimate/side_error.h"
 #include "light/transport_layout.h"
@@ -50,6 +51,7 @@ typedef struct estimate {
 	gw_records place;             /* position and normal of each, and what it gathers */
 	uint32_t *behind;             /* one a check point: rays that passed the back of a surface */
 	float *half[2]; /* 4 a check point, irradiance that the first and the second gather found */
+	gw_hit_light hit_light; /* empty where facets' light is not asked, or comes by no rays */
 } estimate;
 
 uint32_t gw_estimate_rays(uint32_t rays)
@@ -250,6 +252,20 @@ static gw_status gather_along(const gw_estimate_task *task, gw_check_point_view 
 	return GW_OK;
 }
 
+/* What lamps send to the places that the rays meet, beyond the facets' light. */
+static gw_status add_at_hits(const gw_estimate_task *task, uint32_t seed, int half, estimate *e,
+							 gw_error *error)
+{
+	const gw_check_point_hits *hits = task->hits;
+	const size_t first = (size_t)half * hits->count * hits->rays;
+	const gw_hit_light_rays rays = { &e->place, hits->facet + first, hits->distance + first,
+									 hits->rays, seed };
+	if (e->hit_light.lamps == 0)
+		return GW_OK;
+	return gw_hit_light_add(&e->hit_light, &rays, gw_thread_count(task->threads), e->half[half],
+							error);
+}
+
 static gw_status gather_half(const gw_estimate_task *task, const gw_check_point_task *check_points,
 							 int half, const gw_emitters *reflectors, estimate *e, gw_error *error)
 {
@@ -261,6 +277,8 @@ static gw_status gather_half(const gw_estimate_task *task, const gw_check_point_
 												  (uint32_t)half, &view, error);
 	if (status == GW_OK)
 		status = gather_along(task, &view, half, reflectors, e, error);
+	if (status == GW_OK)
+		status = add_at_hits(task, view.rays.seed, half, e, error);
 	gw_check_point_view_destroy(task->passes->gpu, &view);
 	return status;
 }
@@ -529,6 +547,7 @@ static gw_status check_geometry(const gw_estimate_task *task, const estimate *e,
 									 .rays = task->rays_of_records,
 									 .read_back = task->read_back,
 									 .facet_radiance = task->bounces ? facet_radiance : NULL,
+									 .hit_light = e->hit_light.lamps ? &e->hit_light : NULL,
 									 .radiance = light,
 									 .sky = task->sky,
 									 .map = task->map,
@@ -554,6 +573,17 @@ typedef struct again {
 	gw_emitters reflectors;
 } again;
 
+/* Where facets are sampled, because what is bright is small, their light does not come by rays. */
+static gw_status open_hit_light(const gw_estimate_task *task, const gw_emitters *reflectors,
+								gw_hit_light *light, gw_error *error)
+{
+	const gw_hit_light_task of = { task->passes->gpu,  task->octree, task->surfels,
+								   task->facet_direct, task->direct, task->lights,
+								   task->light_count,  task->options };
+	return task->direct && !gw_emitters_are_small(reflectors) ? gw_hit_light_open(&of, light, error)
+															  : GW_OK;
+}
+
 static gw_status solve_with(const gw_estimate_task *task, again *a, estimate *e, double mean,
 							gw_error_estimate *result, gw_error *error)
 {
@@ -568,6 +598,7 @@ static gw_status solve_with(const gw_estimate_task *task, again *a, estimate *e,
 		GW_TRY(shade_all(task, &a->radiance, error));
 		GW_TRY(gw_emitters_make(task->passes->gpu, task->octree, &a->radiance, false,
 								&a->reflectors, error));
+		GW_TRY(open_hit_light(task, &a->reflectors, &e->hit_light, error));
 	}
 	for (int half = 0; half < 2; half++)
 		GW_TRY(gather_half(task, &check_points, half, &a->reflectors, e, error));
@@ -627,6 +658,7 @@ gw_status gw_estimate_error(const gw_estimate_task *task, gw_error_estimate *res
 	if (status == GW_OK)
 		add_emission(task, &e, mean, result);
 	result->relative_rms = hypot(result->relative_rms, hypot(result->geometry, result->sides));
+	gw_hit_light_close(&e.hit_light);
 	gw_records_destroy(task->passes->gpu, &e.place);
 	gw_check_point_choice_clear(&e.choice);
 	free(e.behind);

@@ -8,6 +8,8 @@
  * planes leave of the geometry, because these rays meet the same planes: 0.25 to 0.4 % RMS on
  * scenes of 100,000 points with known answers; the spread has a tenth of the error for that. The
  * points are drawn at random, more of them where errors are likely (check_point_choice.h).
+ * What lamps send to the places that the rays meet they take from the lamps themselves, as facets
+ * have that of the few points in them (hit_light.h).
  *
  * Each point gathers twice with half of the rays. Half of the two halves' mean square difference is
  * the variance of one half; a quarter of it is the noise of their mean, which is taken off the mean

@@ -166,6 +166,31 @@ static double light_of(const gw_geometry_task *t, uint32_t surfel, gw_vec3 direc
 	return dark ? 0.0 : (double)t->radiance[surfel];
 }
 
+/* What a facet and two discs send to a ray. */
+typedef struct ray_light {
+	double found, small, large;
+} ray_light;
+
+/* Makes it that of the place that the ray meets: facets have the light of several points, and what
+ * differs by where these lie is no fault of the octree. */
+static void light_at_place(const check *c, size_t record, uint32_t k, gw_vec3 at,
+						   const gw_check_hit *hit, ray_light *light)
+{
+	const gw_hit_light *h = c->task->hit_light;
+	uint32_t facet = facet_hit(c, record, k);
+	if (!h || facet == GW_NONE || !is_seen(c, record, k))
+		return;
+	light->found += gw_hit_light_beyond_facet(h, facet, at);
+	light->small += gw_hit_light_beyond_point(h, facet, hit->small, at);
+	light->large += gw_hit_light_beyond_point(h, facet, hit->large, at);
+}
+
+/* How far from its record a ray meets a facet, leaf cells. */
+static float distance_of(const check *c, size_t record, uint32_t k)
+{
+	return fabsf(((const float *)c->view.distance.bytes)[record * c->task->rays->rays + k]);
+}
+
 static ray_finding check_ray(const check *c, size_t record, uint32_t k)
 {
 	const gw_geometry_task *t = c->task;
@@ -187,8 +212,10 @@ static ray_finding check_ray(const check *c, size_t record, uint32_t k)
 	double small = hit.small == GW_NONE ? sky : light_of(t, hit.small, ray.direction);
 	double large = hit.large == GW_NONE ? sky : light_of(t, hit.large, ray.direction);
 	double found = facet == GW_NONE ? sky : facet_light(c, facet, &hit);
-	found = is_seen(c, record, k) ? found : 0.0;
-	return (ray_finding){ .excess = outside(found, small, large),
+	ray_light light = { is_seen(c, record, k) ? found : 0.0, small, large };
+	gw_vec3 at = gw_plus(place, gw_times(ray.direction, distance_of(c, record, k)));
+	light_at_place(c, record, k, at, &hit, &light);
+	return (ray_finding){ .excess = outside(light.found, light.small, light.large),
 						  .albedo = hit.large == GW_NONE ? 0.0 : reflectance(t->surfels, hit.large),
 						  .passed_back_face = hit.passed_back_face };
 }

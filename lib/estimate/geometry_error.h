@@ -19,6 +19,7 @@
 #define GEOMETRY_ERROR_H
 
 #include "estimate/check_discs.h"
+#include "estimate/hit_light.h"
 #include "light/gather_rays.h"
 #include "light/read_back.h"
 #include "surfels/scanned_space.h"
@@ -36,11 +37,12 @@ typedef struct gw_geometry_task {
 	const gw_ray_gather *rays;     /* what their rays hit */
 	const gw_read_back *read_back; /* whom they light */
 	const gw_buffer
-		*facet_radiance;   /* what facets reflect in the end, or NULL: nothing that counts */
-	const float *radiance; /* one a surfel: luminance of what it sends out likewise */
-	const float *sky;      /* 3, radiance of the environment */
-	const gw_sky_map *map; /* of the environment, or NULL */
-	uint32_t limit;        /* reflections, or GW_BOUNCES_AUTO */
+		*facet_radiance; /* what facets reflect in the end, or NULL: nothing that counts */
+	const gw_hit_light *hit_light; /* NULL, or what places have beyond their facets */
+	const float *radiance;         /* one a surfel: luminance of what it sends out likewise */
+	const float *sky;              /* 3, radiance of the environment */
+	const gw_sky_map *map;         /* of the environment, or NULL */
+	uint32_t limit;                /* reflections, or GW_BOUNCES_AUTO */
 
 	/* What lamps send: NULL, or irradiance, 4 a surfel. */
 	const float *direct;

@@ -122,8 +122,9 @@ static gw_status measure(const gw_bounces_task *task, facet_sums *sums, double *
 static gw_status find_contraction(const gw_bounces_task *task, double *contraction, gw_error *error)
 {
 	gw_records *records = task->on.records;
-	gw_status status =
-		task->step.gather(task->step.self, &task->on.octree->facet_albedo, 1.0f, error);
+	const gw_trace_step *step = &task->step;
+	gw_status status = (step->gather_apart ? step->gather_apart : step->gather)(
+		step->self, &task->on.octree->facet_albedo, 1.0f, error);
 	gw_view view = { 0 };
 	if (status == GW_OK)
 		status = gw_view_open(task->on.passes->gpu, &records->gathered,

@@ -10,11 +10,14 @@
 
 /* One trace step: fills records->gathered from the facets' radiance. largest is its largest
  * component. gather_first, or NULL, takes its place for the first reflection, of light that lamps
- * and emitters may have thrown on a few small patches. hits, or NULL, is what gather follows. */
+ * and emitters may have thrown on a few small patches. gather_apart, or NULL, takes its place where
+ * what is gathered is no light. hits, or NULL, is what gather follows. */
 typedef struct gw_trace_step {
 	gw_status (*gather)(void *self, const gw_buffer *facet_radiance, float largest,
 						gw_error *error);
 	gw_status (*gather_first)(void *self, const gw_buffer *facet_radiance, float largest,
+							  gw_error *error);
+	gw_status (*gather_apart)(void *self, const gw_buffer *facet_radiance, float largest,
 							  gw_error *error);
 	const gw_ray_gather *hits;
 	void *self;

@@ -7,7 +7,6 @@
 
 #include "base/harmonic_values.h"
 #include "base/memory.h"
-#include "light/volume_cells.h"
 #include "light/volume_places.h"
 #include "octree/compartments.h"
 
@@ -39,7 +38,6 @@ typedef struct making {
 	senders from;
 	uint32_t *neighbour; /* FACES a cell: number, GW_NONE, or END where the grid ends */
 	float *through;      /* likewise: share of light that gets there */
-	uint32_t *label;     /* of each cell, where there are several compartments; else NULL */
 } making;
 
 /* What lies behind a face at the grid's end. */
@@ -124,6 +122,15 @@ static gw_status upload(gw_gpu *gpu, const gw_buffer_description *of, const void
 	return of->bytes > 0 ? gw_buffer_upload(gpu, buffer, 0, values, of->bytes, error) : GW_OK;
 }
 
+/* The front of a facet looks into what that does, as of records (shut_out.c). */
+static void label_fronts(const making *m, const uint32_t *word, size_t count, uint32_t *label)
+{
+	const uint32_t *of = gw_compartments_of_facets(m->on->octree);
+	for (size_t i = 0; i < count && of; i++)
+		if ((word[i] & GW_SENDS_BACK) == 0 && of[word[i]] != GW_COMPARTMENT_UNKNOWN)
+			label[i] = of[word[i]];
+}
+
 /* Compartments that senders look into; NULL where there is one. */
 static gw_status label_senders(const making *m, size_t first, size_t count, uint32_t **label,
 							   gw_error *error)
@@ -136,7 +143,10 @@ static gw_status label_senders(const making *m, size_t first, size_t count, uint
 	if (!*label)
 		return no_memory(m, error);
 	const gw_surface_places of = { count, s->position + 4 * first, s->normal + 4 * first };
-	return gw_compartments_of_places(m->on->passes, m->on->octree, &of, *label, error);
+	gw_status status = gw_compartments_of_places(m->on->passes, m->on->octree, &of, *label, error);
+	if (status == GW_OK)
+		label_fronts(m, s->word + first, count, *label);
+	return status;
 }
 
 static gw_status weigh_some(making *m, size_t first, size_t count, gw_buffer place[2],
@@ -218,22 +228,6 @@ static gw_status find_neighbours(making *m, gw_error *error)
 	return GW_OK;
 }
 
-static gw_status label_cells(making *m, gw_error *error)
-{
-	const gw_radiance_volume *v = m->volume;
-	if (!gw_compartments_several(m->on->octree))
-		return GW_OK;
-	m->label = gw_allocate_array(v->count, sizeof *m->label);
-	if (!m->label)
-		return no_memory(m, error);
-	for (size_t i = 0; i < v->count; i++) {
-		float centre[3];
-		gw_volume_centre(v, v->cell[i], centre);
-		m->label[i] = gw_compartment_at(m->on->octree, centre);
-	}
-	return GW_OK;
-}
-
 static gw_status look_through(making *m, gw_buffer *found, gw_error *error)
 {
 	gw_passes *passes = m->on->passes;
@@ -254,11 +248,11 @@ static gw_status look_through(making *m, gw_buffer *found, gw_error *error)
 /* Does rock keep a cell apart from what lies behind its face? */
 static bool is_apart(const making *m, size_t cell, uint32_t neighbour)
 {
-	if (!m->label)
+	const uint32_t *label = m->volume->label;
+	if (!label)
 		return false;
-	return gw_compartments_apart(m->label[cell], neighbour == END
-													 ? gw_compartment_outside(m->on->octree)
-													 : m->label[neighbour]);
+	return gw_compartments_apart(
+		label[cell], neighbour == END ? gw_compartment_outside(m->on->octree) : label[neighbour]);
 }
 
 /* Of both ways through a face the one that is seen less counts: rays do not know the backs of what
@@ -282,7 +276,6 @@ static gw_status find_faces(making *m, gw_error *error)
 	if (!m->through)
 		return no_memory(m, error);
 	GW_TRY(find_neighbours(m, error));
-	GW_TRY(label_cells(m, error));
 	gw_status status = look_through(m, &found, error);
 	gw_buffer_destroy(m->on->passes->gpu, &found);
 	if (status == GW_OK)
@@ -463,7 +456,6 @@ gw_status gw_propagation_make(const gw_record_context *on, const gw_radiance_vol
 	free(m.from.weight);
 	free(m.neighbour);
 	free(m.through);
-	free(m.label);
 	if (status != GW_OK)
 		gw_propagation_destroy(on->passes->gpu, p);
 	return status;

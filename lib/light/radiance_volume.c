@@ -7,6 +7,7 @@
 #include "base/shared_math.h"
 #include "light/shut_out.h"
 #include "light/volume_cells.h"
+#include "light/volume_labels.h"
 #include "octree/compartments.h"
 
 #include <math.h>
@@ -64,16 +65,14 @@ static gw_status make_pattern(gw_gpu *gpu, uint32_t rays, gw_buffer *pattern, gw
 static gw_status put_centres(const gw_record_context *on, gw_radiance_volume *v, gw_error *error)
 {
 	gw_gpu *gpu = on->passes->gpu;
-	bool several = gw_compartments_several(on->octree);
 	float *centre = gw_allocate_array(v->count, 4 * sizeof *centre);
 	if (!centre)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %u cells of a volume", v->count);
 	for (size_t i = 0; i < v->count; i++) {
 		float *at = centre + 4 * i;
 		gw_volume_centre(v, v->cell[i], at);
-		uint32_t label =
-			several ? gw_compartment_at(on->octree, at) : (uint32_t)GW_COMPARTMENT_UNKNOWN;
-		at[3] = (float)gw_compartment_mark(label);
+		at[3] =
+			(float)gw_compartment_mark(v->label ? v->label[i] : (uint32_t)GW_COMPARTMENT_UNKNOWN);
 	}
 	gw_buffer_destroy(gpu, &v->centre);
 	gw_status status = create_texels(gpu, VK_FORMAT_R32G32B32A32_SFLOAT, 16 * (uint64_t)v->count,
@@ -115,25 +114,30 @@ static bool is_buried(const uint32_t *met, uint32_t rays)
 {
 	uint32_t front = 0, back = 0;
 	for (uint32_t k = 0; k < rays; k++) {
-		front += met[k] == GW_VOLUME_MET_FRONT;
+		front += met[k] < GW_VOLUME_MET_NOTHING;
 		back += met[k] == GW_VOLUME_MET_BACK;
 	}
 	return back > front;
 }
 
-/* Leaves those that are not. */
+/* Leaves those that are not, with labels. */
 static gw_status leave_free(const gw_record_context *on, gw_radiance_volume *v, gw_error *error)
 {
 	gw_view met = { 0 };
 	uint32_t kept = 0;
 	GW_TRY(gw_view_open(on->passes->gpu, &v->hit, 4 * (uint64_t)v->rays * v->count, &met, error));
-	const uint32_t *side = met.bytes;
-	for (size_t i = 0; i < v->count; i++)
-		if (!is_buried(side + i * v->rays, v->rays))
-			v->cell[kept++] = v->cell[i];
+	gw_status status = gw_volume_label_cells(on, met.bytes, v, error);
+	for (size_t i = 0; i < v->count && status == GW_OK; i++) {
+		if (is_buried((const uint32_t *)met.bytes + i * v->rays, v->rays))
+			continue;
+		v->cell[kept] = v->cell[i];
+		if (v->label)
+			v->label[kept] = v->label[i];
+		kept++;
+	}
 	gw_view_close(&met);
 	v->count = kept;
-	return GW_OK;
+	return status;
 }
 
 /* The way from the grid to the cells that are listed. */
@@ -162,20 +166,8 @@ static gw_status make_light(gw_gpu *gpu, gw_radiance_volume *v, gw_error *error)
 
 static gw_status put_right(const gw_record_context *on, gw_radiance_volume *v, gw_error *error)
 {
-	if (!gw_compartments_several(on->octree))
-		return GW_OK;
-	uint32_t *label = gw_allocate_array(v->count, sizeof *label);
-	if (!label)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %u cells of a volume", v->count);
-	for (uint32_t i = 0; i < v->count; i++) {
-		float centre[3];
-		gw_volume_centre(v, v->cell[i], centre);
-		label[i] = gw_compartment_at(on->octree, centre);
-	}
-	const gw_labelled_rays rays = { .label = label, .count = v->count, .rays = v->rays };
-	gw_status status = gw_shut_out_hits_of(on, &rays, &v->hit, error);
-	free(label);
-	return status;
+	const gw_labelled_rays rays = { .label = v->label, .count = v->count, .rays = v->rays };
+	return v->label ? gw_shut_out_hits_of(on, &rays, &v->hit, error) : GW_OK;
 }
 
 static gw_status make(const gw_record_context *on, const gw_volume_wish *wish,
@@ -220,6 +212,7 @@ void gw_radiance_volume_destroy(gw_gpu *gpu, gw_radiance_volume *v)
 	};
 	for (size_t i = 0; i < sizeof buffer / sizeof *buffer; i++)
 		gw_buffer_destroy(gpu, buffer[i]);
+	free(v->label);
 	free(v->cell);
 	*v = (gw_radiance_volume){ 0 };
 }

@@ -34,6 +34,7 @@ typedef struct gw_radiance_volume {
 	uint32_t order, rays, seed;
 	uint32_t count;     /* cells with light: in free space, and read */
 	uint32_t *cell;     /* count: which of the grid, x + cells[0] * (y + cells[1] * z) */
+	uint32_t *label;    /* count: compartments (volume_labels.h); NULL where there is one */
 	gw_buffer slot;     /* R32_UINT, a cell of the grid: its number among the count, or GW_NONE */
 	gw_buffer centre;   /* R32G32B32A32_SFLOAT, count: grid coordinates; mark of the compartment */
 	gw_buffer pattern;  /* R32G32B32A32_SFLOAT, rays: unit directions before they are turned */

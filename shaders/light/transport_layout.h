@@ -40,10 +40,9 @@
 /* Added to the facet that sends into a cell from its back. */
 #define GW_SENDS_BACK 0x80000000u
 
-/* What a ray of a cell met first, where only that is asked. */
-#define GW_VOLUME_MET_NOTHING 0u
-#define GW_VOLUME_MET_FRONT 1u
-#define GW_VOLUME_MET_BACK 2u
+/* What a ray of a cell met first, where that is asked, if no facet's front. */
+#define GW_VOLUME_MET_BACK 0x80000000u
+#define GW_VOLUME_MET_NOTHING 0x7fffffffu
 
 /* Values of gw_light_push.type. */
 #define GW_PUSH_POINT 0u

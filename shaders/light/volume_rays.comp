@@ -1,8 +1,8 @@
 /*
  * volume_rays.comp - trace step of a radiance volume (Mavridis and Papaioannou, section 3.3): one
  * ray of a cell an invocation, from its centre, over the whole sphere. What was hit is kept and
- * serves all bounces. With push.looking, only whether the first surface that the ray met showed its
- * front or its back, by which cells are known that lie in something solid.
+ * serves all bounces. With push.looking, whether the first surface that the ray met showed its
+ * back, by which cells are known that lie in something solid, or which facet's front it was.
  */
 #include "light/transport_layout.h"
 #include "octree/octree_walk.glsl"
@@ -47,7 +47,7 @@ void main()
 	float through;
 	Hit hit = trace_through(ray, chance, through);
 	uint met = hit.passed_back_face   ? GW_VOLUME_MET_BACK
-			   : hit.facet != GW_NONE ? GW_VOLUME_MET_FRONT
+			   : hit.facet != GW_NONE ? hit.facet
 									  : GW_VOLUME_MET_NOTHING;
 	cell_hit[i] = push.looking != 0u ? met : hit.facet;
 }

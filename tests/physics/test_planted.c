@@ -513,6 +513,37 @@ static void no_more_than_is_true(void **state)
 	scene_clear(&s);
 }
 
+/* The same of few points, whose leaves have the light of one or two each, from up to a spacing
+ * away: what all who see these leaves are off alike. Stated and true are within two of its spreads;
+ * before, of 600 points 0.75 to 0.83 was stated of 0.92, four spreads less of 2,000. */
+static void leaves_of_few_points(void **state)
+{
+	(void)state;
+	const gw_light lamp = scene_point_light(0.5, 0.3, -0.2, 2.0f);
+	for (size_t count = 600; count < 6000; count *= 3)
+		for (uint64_t seed = 1; seed < 4; seed++) {
+			gw_bake_options options = gw_bake_options_default();
+			double squares = 0.0, sum = 0.0;
+			scene s;
+			options.seed = seed;
+			make_sphere(&s, count, 0.5f, false);
+			gw_points points = scene_points(&s);
+			gw_bake_result *result = scene_bake(&points, &lamp, 1, &options);
+			for (size_t i = 0; i < s.count; i++) {
+				double off = (double)result->indirect_irradiance[3 * i] - 2.0;
+				squares += off * off;
+				sum += 2.0 + (double)result->direct_irradiance[3 * i];
+			}
+			double truth = sqrt(squares * (double)s.count) / sum;
+			const gw_error_estimate *said = &result->report.error;
+			print_message("%zu points: stated %.3f +- %.3f %%, true %.3f %%\n", count,
+						  100 * said->relative_rms, 100 * said->spread, 100 * truth);
+			assert_true(fabs(said->relative_rms - truth) <= 2.0 * said->spread);
+			gw_bake_result_destroy(&result);
+			scene_clear(&s);
+		}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -527,6 +558,7 @@ int main(void)
 		cmocka_unit_test(nothing_is_added_where_all_is_right),
 		cmocka_unit_test(clumps_are_no_shadows),
 		cmocka_unit_test(no_more_than_is_true),
+		cmocka_unit_test(leaves_of_few_points),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -200,6 +200,32 @@ static void harmonics_in_free_space(void **state)
 		check_harmonics((gw_method)method);
 }
 
+/* What is gathered to bound the bounces is no light, not even where they end before it: of a sphere
+ * so black that its first reflection is the last one, E = I / r^2 at every point, and rho E / (1 -
+ * rho) is all that there is to be gathered. Before, it was pi rho. */
+static void bounds_are_no_light(void **state)
+{
+	const double rho = 1e-4;
+	scene s = { 0 };
+	gw_bake_options options = options_of(16);
+	const gw_light lamp = scene_point_light(0.0, 0.0, 0.0, 0.01f);
+	(void)state;
+	scene_add_sphere(&s, (double[3]){ 0, 0, 0 }, 1.0, POINTS, -1, (float)rho);
+	gw_points points = scene_points(&s);
+	for (int method = GW_METHOD_VOLUME; method <= GW_METHOD_LPV; method++) {
+		options.method = (gw_method)method;
+		gw_bake_result *result = scene_bake(&points, &lamp, 1, &options);
+		double sum = 0.0;
+		for (size_t i = 0; i < s.count; i++)
+			sum += (double)result->indirect_irradiance[3 * i] / (double)s.count;
+		print_message("%s: %.3g of indirect irradiance\n", gw_method_name(options.method), sum);
+		assert_int_equal(result->report.bounce_count, 1);
+		assert_true(sum <= rho * 0.01 / (1.0 - rho) * (1.0 + SLIPPED));
+		gw_bake_result_destroy(&result);
+	}
+	scene_clear(&s);
+}
+
 /* A second bake of the hall, and one by another number of threads, has the same bytes. */
 static void same_bytes(void **state)
 {
@@ -236,9 +262,10 @@ static void off_is_off(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(pattern_is_even), cmocka_unit_test(furnace),
-		cmocka_unit_test(sky_over_floor),  cmocka_unit_test(harmonics_in_free_space),
-		cmocka_unit_test(same_bytes),      cmocka_unit_test(off_is_off),
+		cmocka_unit_test(pattern_is_even),     cmocka_unit_test(furnace),
+		cmocka_unit_test(sky_over_floor),      cmocka_unit_test(harmonics_in_free_space),
+		cmocka_unit_test(bounds_are_no_light), cmocka_unit_test(same_bytes),
+		cmocka_unit_test(off_is_off),
 	};
 	return cmocka_run_group_tests_name("volume", tests, NULL, NULL);
 }

@@ -1,0 +1,238 @@
+/*
+ * hit_light.c - see hit_light.h.
+ */
+#include "estimate/hit_light.h"
+
+#include "base/luminance.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "cloud/frame.h"
+#include "estimate/check_light.h"
+#include "light/direct_light.h"
+#include "octree/octree_layout.h"
+
+#include <stdlib.h>
+
+#define CHUNK 4u
+
+/* Fragments of a leaf that are looked at where there are very many, as facet_direct.comp does; here
+ * fewer, as a mean over so many is as good. */
+#define FRAGMENTS 64u
+
+#define LEAF_DIAGONAL 1.7321f
+
+/* Sums over the points that lie in a facet, by their area. */
+typedef struct facet_points {
+	double direct[3]; /* irradiance that lamps send there ... */
+	double whole;     /* ... and would with nothing in the way, luminance */
+	size_t nearest;   /* to a place */
+	float squared;    /* distance */
+} facet_points;
+
+/* What lamps would send to a place with nothing in the way, luminance. */
+static double received(const gw_hit_light *h, gw_vec3 at, gw_vec3 normal)
+{
+	const gw_check_place place = { at, normal };
+	double sum = 0.0;
+	for (size_t l = 0; l < h->lamps; l++) {
+		gw_vec3 towards;
+		float distance;
+		sum += gw_check_lamp_light(&h->lamp[l], &place, &towards, &distance);
+	}
+	return sum;
+}
+
+static gw_vec3 place_of(const gw_hit_light *h, size_t surfel)
+{
+	const gw_octree *o = h->task.octree;
+	const float *p = h->task.surfels->position + 3 * surfel;
+	return gw_times(gw_minus(gw_xyz(p), gw_xyz(o->cube_minimum)), 1.0f / o->leaf_size);
+}
+
+static const float *normal_of(const gw_surfels *s, size_t surfel)
+{
+	return (s->shading_normal ? s->shading_normal : s->normal) + 3 * surfel;
+}
+
+static void add_point(const gw_hit_light *h, size_t i, float weight, gw_vec3 at, facet_points *sum)
+{
+	gw_vec3 place = place_of(h, i), off = gw_minus(at, place);
+	for (size_t c = 0; c < 3; c++)
+		sum->direct[c] += (double)(weight * h->task.direct[4 * i + c]);
+	sum->whole += (double)weight * received(h, place, gw_xyz(normal_of(h->task.surfels, i)));
+	if (gw_dot(off, off) < sum->squared) {
+		sum->squared = gw_dot(off, off);
+		sum->nearest = i;
+	}
+}
+
+/* The normal at a place near a point: that of the point, turned as its disc bends. */
+static gw_vec3 normal_at(const gw_hit_light *h, size_t i, gw_vec3 at)
+{
+	const gw_surfels *s = h->task.surfels;
+	const float *bend = s->bend ? s->bend + 3 * i : NULL;
+	gw_vec3 normal = gw_xyz(normal_of(s, i));
+	float tangent[3], bitangent[3];
+	if (!bend)
+		return normal;
+	gw_tangent_frame(s->normal + 3 * i, tangent, bitangent);
+	gw_vec3 t = gw_xyz(tangent), b = gw_xyz(bitangent);
+	gw_vec3 off = gw_times(gw_minus(at, place_of(h, i)), h->task.octree->leaf_size);
+	float x = gw_dot(off, t), y = gw_dot(off, b);
+	gw_vec3 turn =
+		gw_plus(gw_times(t, bend[0] * x + bend[1] * y), gw_times(b, bend[1] * x + bend[2] * y));
+	return gw_unit(gw_minus(normal, turn));
+}
+
+static facet_points sum_points(const gw_hit_light *h, uint32_t facet, gw_vec3 at)
+{
+	const uint32_t *first = h->first.bytes, *fragment = h->fragment.bytes;
+	const float *weight = h->weight.bytes;
+	uint32_t begin = first[facet >> 1], end = first[(facet >> 1) + 1];
+	uint32_t stride = (end - begin) / FRAGMENTS + 1;
+	facet_points sum = { .squared = INFINITY };
+	for (uint32_t f = begin; f < end; f += stride)
+		if ((fragment[f] & GW_FRAGMENT_ROI) == 0 &&
+			((fragment[f] & GW_FRAGMENT_FACET) != 0) == ((facet & 1u) != 0))
+			add_point(h, fragment[f] & GW_FRAGMENT_SURFEL, weight[f], at, &sum);
+	return sum;
+}
+
+/* Can a place so far from the nearest point of a facet lie in its leaf, on one of its discs? Where
+ * an octree is damaged it may not. */
+static bool lies_on(const gw_hit_light *h, size_t nearest, float distance)
+{
+	return distance <= h->task.surfels->radius[nearest] / h->task.octree->leaf_size + LEAF_DIAGONAL;
+}
+
+/* What a place reflects beyond its facet, pi times radiance, 3; nothing where that has two sides.
+ * at: in grid coordinates. */
+static void find_beyond(const gw_hit_light *h, uint32_t facet, gw_vec3 at, double *radiosity)
+{
+	const float *rho = (const float *)h->albedo.bytes + 4 * (size_t)facet;
+	const float *has = (const float *)h->direct.bytes + 4 * (size_t)facet;
+	facet_points sum = { .whole = 0.0 };
+	radiosity[0] = radiosity[1] = radiosity[2] = 0.0;
+	if (rho[3] < 1.0f) /* else lit from both sides */
+		sum = sum_points(h, facet, at);
+	if (!(sum.whole > 0.0) || !lies_on(h, sum.nearest, sqrtf(sum.squared)))
+		return;
+	double light = received(h, at, normal_at(h, sum.nearest, at)) / sum.whole;
+	for (size_t c = 0; c < 3; c++)
+		radiosity[c] = (double)rho[c] * (sum.direct[c] * light - (double)has[c]);
+}
+
+double gw_hit_light_beyond_facet(const gw_hit_light *h, uint32_t facet, gw_vec3 at)
+{
+	double more[3];
+	find_beyond(h, facet, at, more);
+	const float radiosity[3] = { (float)more[0], (float)more[1], (float)more[2] };
+	return gw_luminance(radiosity) / M_PI;
+}
+
+static bool lies_in(const gw_hit_light *h, uint32_t facet, uint32_t surfel)
+{
+	const uint32_t *first = h->first.bytes, *fragment = h->fragment.bytes;
+	for (uint32_t f = first[facet >> 1]; f < first[(facet >> 1) + 1]; f++)
+		if ((fragment[f] & GW_FRAGMENT_SURFEL) == surfel)
+			return true;
+	return false;
+}
+
+double gw_hit_light_beyond_point(const gw_hit_light *h, uint32_t facet, uint32_t surfel, gw_vec3 at)
+{
+	const gw_surfels *s = h->task.surfels;
+	if (surfel == GW_NONE || s->two_sided[surfel] || !lies_in(h, facet, surfel))
+		return 0.0;
+	double own = received(h, place_of(h, surfel), gw_xyz(normal_of(s, surfel)));
+	double there = received(h, at, normal_at(h, surfel, at));
+	const float *rho = s->albedo + 3 * (size_t)surfel, *e = h->task.direct + 4 * (size_t)surfel;
+	const float sent[3] = { rho[0] * e[0], rho[1] * e[1], rho[2] * e[2] };
+	return own > 0.0 ? (there / own - 1.0) * gw_luminance(sent) / M_PI : 0.0;
+}
+
+/* Places under way. */
+typedef struct adding {
+	const gw_hit_light *light;
+	const gw_hit_light_rays *rays;
+	gw_view place, normal; /* 4 floats each */
+	float *irradiance;
+} adding;
+
+static void add_some(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const adding *a = user;
+	const gw_hit_light_rays *r = a->rays;
+	(void)worker;
+	for (size_t i = first; i < last; i++) {
+		gw_vec3 from = gw_xyz((const float *)a->place.bytes + 4 * i);
+		gw_vec3 normal = gw_xyz((const float *)a->normal.bytes + 4 * i);
+		for (uint32_t k = 0; k < r->rays; k++) {
+			double radiosity[3];
+			uint32_t facet = r->facet[i * r->rays + k];
+			if (facet == GW_NONE)
+				continue;
+			gw_vec3 way = gw_record_ray(from, normal, k, r->rays, r->seed);
+			gw_vec3 off = gw_times(way, fabsf(r->distance[i * r->rays + k]));
+			find_beyond(a->light, facet, gw_plus(from, off), radiosity);
+			for (size_t c = 0; c < 3; c++)
+				a->irradiance[4 * i + c] += (float)(radiosity[c] / r->rays);
+		}
+	}
+}
+
+gw_status gw_hit_light_add(const gw_hit_light *light, const gw_hit_light_rays *rays,
+						   uint32_t threads, float *irradiance, gw_error *error)
+{
+	const uint64_t bytes = 16 * (uint64_t)rays->place->count;
+	adding a = { .light = light, .rays = rays, .irradiance = irradiance };
+	gw_status status =
+		gw_view_open(light->task.gpu, &rays->place->position, bytes, &a.place, error);
+	if (status == GW_OK)
+		status = gw_view_open(light->task.gpu, &rays->place->normal, bytes, &a.normal, error);
+	if (status == GW_OK)
+		gw_parallel_for(threads, rays->place->count, CHUNK, add_some, &a);
+	gw_view_close(&a.normal);
+	gw_view_close(&a.place);
+	return status;
+}
+
+static gw_status open_views(gw_hit_light *h, gw_error *error)
+{
+	gw_gpu *gpu = h->task.gpu;
+	const gw_octree *o = h->task.octree;
+	const uint64_t facets = 32 * (uint64_t)o->leaf_count,
+				   fragments = 4 * (uint64_t)o->fragment_count;
+	GW_TRY(gw_view_open(gpu, &o->facet_albedo, facets, &h->albedo, error));
+	GW_TRY(gw_view_open(gpu, h->task.facet_direct, facets, &h->direct, error));
+	GW_TRY(
+		gw_view_open(gpu, &o->leaf_fragment, 4 * ((uint64_t)o->leaf_count + 1), &h->first, error));
+	GW_TRY(gw_view_open(gpu, &o->fragment_surfel, fragments, &h->fragment, error));
+	return gw_view_open(gpu, &o->fragment_weight, fragments, &h->weight, error);
+}
+
+gw_status gw_hit_light_open(const gw_hit_light_task *task, gw_hit_light *light, gw_error *error)
+{
+	*light = (gw_hit_light){ .task = *task };
+	light->lamp = gw_allocate_array(task->light_count, sizeof *light->lamp);
+	if (!light->lamp)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu lights", task->light_count);
+	for (size_t i = 0; i < task->light_count; i++)
+		if (gw_light_shines(&task->lights[i]))
+			light->lamp[light->lamps++] =
+				gw_lamp_of(&task->lights[i], task->octree, task->surfels, task->options);
+	gw_status status = open_views(light, error);
+	if (status != GW_OK)
+		gw_hit_light_close(light);
+	return status;
+}
+
+void gw_hit_light_close(gw_hit_light *light)
+{
+	gw_view *const all[] = { &light->albedo, &light->direct, &light->first, &light->fragment,
+							 &light->weight };
+	for (size_t i = 0; i < sizeof all / sizeof *all; i++)
+		gw_view_close(all[i]);
+	free(light->lamp);
+	*light = (gw_hit_light){ .lamps = 0 };
+}
