@@ -8,12 +8,15 @@ CC      ?= gcc
 CXX     ?= g++
 GLSLC   ?= glslc
 
-# config=release (default), config=sanitize, or config=fuzz with clang
+# config=release (default), config=sanitize, config=coverage, or config=fuzz with clang
 config  ?= release
 ifeq ($(config),sanitize)
 BUILD   := build/sanitize
 OPT     := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer
 KEEP_LOADED := $(BUILD)/tests/keep_loaded.o
+else ifeq ($(config),coverage)
+BUILD   := build/coverage
+OPT     := -O1 -g --coverage -fprofile-update=atomic
 else ifeq ($(config),fuzz)
 BUILD   := build/fuzz
 CC      := clang
@@ -244,9 +247,9 @@ $(BUILD)/tests/torture/torture: $(call objects,$(TORTURE_SOURCES))
 $(BUILD)/tests/torture/fault_shim.so: $(call objects,$(TORTURE_SHIM))
 	$(CC) $(LDFLAGS) -shared -o $@ $^
 
-# It makes calls of the system fail.
+# It makes calls of the system fail, and plans fewer settings.
 $(BUILD)/tests/hostile/test_faulty_files: LDFLAGS += $(addprefix -Wl$(comma)--wrap=,open read pread write fsync \
-		close fclose flock kill geteuid rename renameat2 statvfs gw_available_memory)
+		close fclose flock kill geteuid rename renameat2 statvfs gw_available_memory tradeoff_plan)
 
 test-programs: all $(TEST_PROGRAMS) $(TORTURE)
 
