@@ -103,7 +103,7 @@ LIB_OBJECTS     := $(call objects,$(LIB_SOURCES)) $(KERNEL_OBJECTS)
 MAN_PAGES       := $(patsubst %.in,$(BUILD)/%,$(wildcard man/*.1.in))
 COMPLETIONS     := $(addprefix $(BUILD)/completion.,bash zsh fish)
 
-.PHONY: all check deps deps-interop demo gallery test test-interop test-sanitize test-programs analysis torture fuzz valgrind bench bench-formats tradeoff lint install uninstall help clean FORCE
+.PHONY: all check deps deps-interop demo gallery test test-interop test-sanitize test-programs analysis coverage torture fuzz valgrind bench bench-formats tradeoff lint install uninstall help clean FORCE
 all: $(BUILD)/glowworm $(PLUGINS) $(BUILD)/libglowworm.so $(SAMPLE_PROGRAMS) $(LIBRARY_SAMPLE) \
 		$(MAN_PAGES) $(COMPLETIONS)  ## build program, library and samples
 
@@ -261,11 +261,11 @@ check: deps  ## what a change breaks most often, in under two minutes: style, qu
 	@$(build_quietly) config=release all $(filter $(BUILD)/tests/unit/%,$(TEST_PROGRAMS))
 	@tests/suite.sh build:style build:quick-unit build:quick-cli
 
-test: deps  ## build and run all tests, then most of them again under sanitizers
+test: deps  ## build and run all tests, and those that tests/not_sanitized leaves under sanitizers
 	@$(build_quietly) config=release test-programs analysis
 	@$(build_quietly) config=sanitize test-programs
-	@tests/suite.sh build:unit build:physics build:shaders build:hostile build:cli build:torture build:lint $(SANITIZED) \
-		$(if $(WITH_INTEROP),build:interop)
+	@tests/suite.sh build:unit build:physics build:shaders build:hostile build:cli build:torture build:lint \
+		$(addprefix build/sanitize:chosen-,unit hostile cli) $(if $(WITH_INTEROP),build:interop)
 
 test-interop: deps  ## what CloudCompare, MeshLab, Blender and others make of our files
 	@$(build_quietly) all
@@ -279,6 +279,10 @@ torture: deps  ## hard clouds, faults, kills, fuzzing, for hours: make torture M
 test-sanitize: deps  ## the tests under AddressSanitizer and UndefinedBehaviorSanitizer
 	@$(build_quietly) config=sanitize test-programs
 	@tests/suite.sh $(SANITIZED)
+
+coverage: deps  ## choose the tests that run under sanitizers by what they reach
+	@$(build_quietly) config=coverage test-programs
+	@tests/coverage.sh
 
 fuzz: deps  ## feed a reader damaged files: make fuzz READER=las MINUTES=5
 	@$(build_quietly) config=fuzz $(addprefix build/fuzz/tests/fuzz/,fuzz make_corpus)

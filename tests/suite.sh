@@ -69,7 +69,7 @@ list_tests() { # build group
 		esac
 		;;
 	interop) ls tests/interop/*.sh ;;
-	torture) echo tests/torture/torture.c ;;
+	torture) echo tests/torture/torture_main.c ;;
 	lint) ls tests/lint/{test,check}_*.sh ;;
 	style)
 		printf 'tests/lint/check_%s.sh\n' banned format layers readme scripts style symbols
