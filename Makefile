@@ -8,12 +8,15 @@ CC      ?= gcc
 CXX     ?= g++
 GLSLC   ?= glslc
 
-# config=release (default), config=sanitize, or config=fuzz with clang
+# config=release (default), config=sanitize, config=coverage, or config=fuzz with clang
 config  ?= release
 ifeq ($(config),sanitize)
 BUILD   := build/sanitize
 OPT     := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer
 KEEP_LOADED := $(BUILD)/tests/keep_loaded.o
+else ifeq ($(config),coverage)
+BUILD   := build/coverage
+OPT     := -O1 -g --coverage -fprofile-update=atomic
 else ifeq ($(config),fuzz)
 BUILD   := build/fuzz
 CC      := clang
@@ -100,7 +103,7 @@ LIB_OBJECTS     := $(call objects,$(LIB_SOURCES)) $(KERNEL_OBJECTS)
 MAN_PAGES       := $(patsubst %.in,$(BUILD)/%,$(wildcard man/*.1.in))
 COMPLETIONS     := $(addprefix $(BUILD)/completion.,bash zsh fish)
 
-.PHONY: all check deps deps-interop demo gallery test test-interop test-sanitize test-programs analysis torture fuzz valgrind bench bench-formats tradeoff lint install uninstall help clean FORCE
+.PHONY: all check deps deps-interop demo gallery test test-interop test-sanitize test-programs analysis coverage torture fuzz valgrind bench bench-formats tradeoff lint install uninstall help clean FORCE
 all: $(BUILD)/glowworm $(PLUGINS) $(BUILD)/libglowworm.so $(SAMPLE_PROGRAMS) $(LIBRARY_SAMPLE) \
 		$(MAN_PAGES) $(COMPLETIONS)  ## build program, library and samples
 
@@ -244,9 +247,9 @@ $(BUILD)/tests/torture/torture: $(call objects,$(TORTURE_SOURCES))
 $(BUILD)/tests/torture/fault_shim.so: $(call objects,$(TORTURE_SHIM))
 	$(CC) $(LDFLAGS) -shared -o $@ $^
 
-# It makes calls of the system fail.
+# It makes calls of the system fail, and plans fewer settings.
 $(BUILD)/tests/hostile/test_faulty_files: LDFLAGS += $(addprefix -Wl$(comma)--wrap=,open read pread write fsync \
-		close fclose flock kill geteuid rename renameat2 statvfs gw_available_memory)
+		close fclose flock kill geteuid rename renameat2 statvfs gw_available_memory tradeoff_plan)
 
 test-programs: all $(TEST_PROGRAMS) $(TORTURE)
 
@@ -258,11 +261,11 @@ check: deps  ## what a change breaks most often, in under two minutes: style, qu
 	@$(build_quietly) config=release all $(filter $(BUILD)/tests/unit/%,$(TEST_PROGRAMS))
 	@tests/suite.sh build:style build:quick-unit build:quick-cli
 
-test: deps  ## build and run all tests, then most of them again under sanitizers
+test: deps  ## build and run all tests, and those that tests/not_sanitized leaves under sanitizers
 	@$(build_quietly) config=release test-programs analysis
 	@$(build_quietly) config=sanitize test-programs
-	@tests/suite.sh build:unit build:physics build:shaders build:hostile build:cli build:torture build:lint $(SANITIZED) \
-		$(if $(WITH_INTEROP),build:interop)
+	@tests/suite.sh build:unit build:physics build:shaders build:hostile build:cli build:torture build:lint \
+		$(addprefix build/sanitize:chosen-,unit hostile cli) $(if $(WITH_INTEROP),build:interop)
 
 test-interop: deps  ## what CloudCompare, MeshLab, Blender and others make of our files
 	@$(build_quietly) all
@@ -276,6 +279,10 @@ torture: deps  ## hard clouds, faults, kills, fuzzing, for hours: make torture M
 test-sanitize: deps  ## the tests under AddressSanitizer and UndefinedBehaviorSanitizer
 	@$(build_quietly) config=sanitize test-programs
 	@tests/suite.sh $(SANITIZED)
+
+coverage: deps  ## choose the tests that run under sanitizers by what they reach
+	@$(build_quietly) config=coverage test-programs
+	@tests/coverage.sh
 
 fuzz: deps  ## feed a reader damaged files: make fuzz READER=las MINUTES=5
 	@$(build_quietly) config=fuzz $(addprefix build/fuzz/tests/fuzz/,fuzz make_corpus)

@@ -12,10 +12,19 @@
 #   lint                   tests/lint/check_*.sh and test_*.sh; each script is a test
 #   style                  those of them that look at the sources alone, in seconds
 #
-# Programs and scripts of a group run beside each other, one a processor: most keep one busy.
+#   chosen-unit chosen-hostile chosen-cli
+#                          those that tests/not_sanitized does not list
 #
-# Prints one line a group, the output of what failed, what took longest, and at the end
-# `N passed, N failed`. The exit status is 1 when a test failed or when there was none.
+# All programs and scripts of all groups are one queue, the longest first (tests/slow_tests), of
+# which as many run beside each other as there are processors: most keep one busy. Scripts of cli
+# that measure time (`# alone: yes`) run after the others, one by one.
+#
+# Prints the output of what failed when it fails; at the end one line a group with the seconds of
+# the processor that it took, what took longest, and `N passed, N failed`. The exit status is 1 when
+# a test failed or when there was none.
+#
+# Environment: GLOWWORM_TEST_TIMEOUT seconds a test (600; scripts of cli 300), GLOWWORM_TEST_SECONDS
+# a file that gets a line for each test: seconds of the processor, build, source.
 set -u
 export LC_ALL=C TZ=UTC
 root=$(cd "$(dirname "$0")/.." && pwd)
@@ -36,39 +45,96 @@ asan="detect_leaks=1:allocator_may_return_null=1:malloc_context_size=8"
 # was never set is wrong in every run. Sanitizers have an allocator of their own.
 export MALLOC_PERTURB_=${MALLOC_PERTURB_-165}
 
-# A line for each program and script: seconds of the processor, and its name.
 # shellcheck source=tests/seconds_spent
 . "$root/tests/seconds_spent"
-export GLOWWORM_TEST_SECONDS=$scratch/seconds
 passed=0 failed=0 skipped=0
 
 count_lines() { # pattern file
 	grep -ac -- "$1" "$2" || true
 }
 
-# Those of a list of tests that are not slow.
-list_quick() { # source...
-	printf '%s\n' "$@" | grep -vxFf tests/slow_tests
+# ---------------------------------------------------------------------------- what there is to do
+
+# The sources of the tests of a group.
+list_tests() { # build group
+	case $2 in
+	unit | physics | hostile) compgen -G "tests/$2/test_*.c*" ;;
+	shaders)
+		printf 'tests/physics/test_%s.c\n' boundaries leaks shadow_map portals glossy gloss_caches
+		;;
+	cli)
+		case $1 in
+		*sanitize*) grep -L '^# sanitize: no$' tests/cli/*.sh ;;
+		*) ls tests/cli/*.sh ;;
+		esac
+		;;
+	interop) ls tests/interop/*.sh ;;
+	torture) echo tests/torture/torture_main.c ;;
+	lint) ls tests/lint/{test,check}_*.sh ;;
+	style)
+		printf 'tests/lint/check_%s.sh\n' banned format layers readme scripts style symbols
+		;;
+	quick-*) list_tests "$1" "${2#*-}" | grep -vxFf tests/slow_tests ;;
+	chosen-*) list_tests "$1" "${2#*-}" | grep -vxFf tests/not_sanitized ;;
+	*) return 1 ;;
+	esac
 }
 
-# Runs one cmocka program.
-run_program() { # program
-	local log
-	log=$scratch/$(basename "$1").log
-	timeout --kill-after=10 "$limit" "$1" >"$log" 2>&1 </dev/null &
+# What runs a test of a group.
+runner_of() { # group
+	case ${1#*-} in
+	cli | interop) echo run_cli ;;
+	torture) echo run_torture ;;
+	lint | style) echo run_lint ;;
+	shaders) echo run_shaders ;;
+	*) echo run_program ;;
+	esac
+}
+
+# A line for each test: when it is its turn, its number and group's, runner, build and source.
+# Those that measure time come last.
+list_jobs() { # BUILD:GROUP...
+	local item number=0
+	for item in "$@"; do
+		list_tests "${item%:*}" "${item##*:}" |
+			sed "s|^|$number $(runner_of "${item##*:}") ${item%:*} |"
+		number=$((number + 1))
+	done | awk -v alone=" $(grep -l '^# alone: yes$' tests/cli/*.sh | tr '\n' ' ')" '
+		FILENAME != "-" { if (!/^#/) turn[$1] = ++slow; next }
+		{ print index(alone, " " $4 " ") ? "alone" : $4 in turn ? turn[$4] : slow + 1, FNR, $0 }
+		' tests/slow_tests - | sort -s -n -k 1,1
+}
+
+# ------------------------------------------------------------------------------- how it is done
+
+# Runs a command so that it ends when this job does; what it says goes to the job's log.
+watch() { # seconds command...
+	timeout --kill-after=10 "$@" >"$log" 2>&1 </dev/null &
 	trap "kill $! 2>/dev/null; exit 143" TERM
 	wait $!
-	echo $? >"$log.status"
-	note_seconds "$1"
+	status=$?
+	[ "$status" -eq 124 ] && echo "it ran into the limit of $1 seconds" >>"$log"
 }
 
-# Counts what it said. A program that crashes or leaks has at least one failure, and the test it was
-# in when it crashed counts as failed.
-judge_program() { # program
-	local name log started good skips bad status
-	name=$(basename "$1")
-	log=$scratch/$name.log
-	status=$(cat "$log.status" 2>/dev/null || echo 137)
+# The closing line of another runner, `N passed, N failed`; without one it has failed.
+read_closing() {
+	local closing
+	closing=$(tail -n 1 "$log" | sed -n 's/^\([0-9]*\) passed, \([0-9]*\) failed.*/\1 \2/p')
+	[ -n "$closing" ] || tail -n 5 "$log"
+	read -r good bad <<<"${closing:-0 1}"
+	[ "$status" -ne 0 ] && [ "$bad" -eq 0 ] && bad=1
+}
+
+# One cmocka program. One that crashes or leaks has at least one failure, and the test it was in
+# when it crashed counts as failed.
+run_program() { # build source
+	local program=$1/${2%.*} started
+	if [ ! -x "$program" ]; then
+		echo "FAIL $program was not built"
+		bad=1
+		return
+	fi
+	watch "$limit" "$program"
 	started=$(count_lines '^\[ RUN      \]' "$log")
 	good=$(count_lines '^\[       OK \]' "$log")
 	skips=$(sed -n 's/^\[  SKIPPED \] \([0-9]*\) test(s).*/\1/p' "$log" | tail -n 1)
@@ -83,157 +149,107 @@ judge_program() { # program
 		bad=$((bad + skips))
 		skips=0
 	fi
-	[ "$skips" -eq 0 ] || echo "   $name: $skips skipped"
+	[ "$skips" -eq 0 ] || echo "   $program: $skips skipped"
 	if [ "$bad" -ne 0 ]; then
-		echo "FAIL $name: exit status $status"
-		[ "$status" -eq 124 ] && echo "   it ran into the limit of $limit seconds"
+		echo "FAIL $program: exit status $status"
 		grep -av '^\[ RUN      \]\|^\[       OK \]' "$log" | head -n 120 | sed 's/^/   /'
 	fi
-	group_passed=$((group_passed + good))
-	group_failed=$((group_failed + bad))
-	skipped=$((skipped + skips))
 }
 
-# Runs each of a list, as many beside each other as there are processors.
-run_beside() { # function item...
-	local item run=$1
-	shift
-	for item in "$@"; do
-		while [ "$(jobs -rp | wc -l)" -ge "$(nproc)" ]; do wait -n; done
-		"$run" "$item" &
-	done
-	wait
+run_shaders() { # build source
+	export GLOWWORM_TEST_PASSES=device GLOWWORM_TEST_VALIDATE=calls
+	run_program "$@"
 }
 
-run_programs() { # build source...
-	local source program build=$1 list=()
-	shift
-	for source in "$@"; do
-		[ -f "$source" ] || continue
-		program=$build/${source%.*}
-		if [ -x "$program" ]; then
-			list+=("$program")
-		else
-			echo "FAIL $program was not built"
-			group_failed=$((group_failed + 1))
-		fi
-	done
-	run_beside run_program "${list[@]}"
-	for program in "${list[@]}"; do
-		judge_program "$program"
-	done
-}
-
-run_cli() { # build script...
-	local closing status build=$1
-	shift
-	GLOWWORM=$build/glowworm tests/cli/run "$@" >"$scratch/log" 2>&1
-	status=$?
-	closing=$(tail -n 1 "$scratch/log" | sed -n 's/^\([0-9]*\) passed, \([0-9]*\) failed$/\1 \2/p')
-	sed '$d' "$scratch/log"
-	if [ -n "$closing" ]; then
-		group_passed=${closing% *}
-		group_failed=${closing#* }
-	else
-		tail -n 1 "$scratch/log"
-		group_failed=1
-	fi
-	[ "$status" -ne 0 ] && [ "$group_failed" -eq 0 ] && group_failed=1
+run_cli() { # build source
+	GLOWWORM=$1/glowworm watch "$limit" tests/cli/run "$2"
+	skips=$(count_lines '^SKIP ' "$log")
+	[ "${GLOWWORM_NO_SKIP:-0}" = 1 ] && skips=0
+	sed -e '$d' -e '/^[0-9]* skipped$/d' "$log"
+	read_closing
 }
 
 # A failure's first line names it, its second the command that repeats it.
 run_torture() { # build
-	local status closing
 	if [ ! -x "$1/tests/torture/torture" ]; then
 		echo "FAIL $1/tests/torture/torture was not built"
-		group_failed=1
+		bad=1
 		return
 	fi
-	timeout --kill-after=10 "$limit" "$1/tests/torture/torture" --slice --jobs "$(nproc)" \
-		--program "$1/glowworm" --folder "$scratch/torture" >"$scratch/log" 2>&1
-	status=$?
-	closing=$(tail -n 1 "$scratch/log" | sed -n 's/^\([0-9]*\) passed, \([0-9]*\) failed.*/\1 \2/p')
-	grep -a -A 1 '^FAIL' "$scratch/log" | head -n 60
-	if [ -n "$closing" ]; then
-		group_passed=${closing% *}
-		group_failed=${closing#* }
+	watch "$limit" "$1/tests/torture/torture" --slice --jobs 1 --program "$1/glowworm" \
+		--folder "$scratch/torture"
+	grep -a -A 1 '^FAIL' "$log" | head -n 60
+	read_closing
+}
+
+run_lint() { # build source
+	BUILD=$1 watch "$limit" bash "$2"
+	if [ "$status" -eq 0 ]; then
+		good=1
 	else
-		tail -n 5 "$scratch/log"
-		group_failed=1
+		bad=1
+		echo "FAIL $2"
+		head -n 60 "$log" | sed 's/^/   /'
 	fi
-	[ "$status" -ne 0 ] && [ "$group_failed" -eq 0 ] && group_failed=1
 }
 
-# Runs one script of a lint group; build: that of the group.
-run_script() { # script
-	local log
-	log=$scratch/$(basename "$1").log
-	BUILD=$build timeout "$limit" bash "$1" >"$log" 2>&1
-	echo $? >"$log.status"
-	note_seconds "$1"
-}
-
-run_lint() { # script...
-	local script log
-	run_beside run_script "$@"
-	for script in "$@"; do
-		log=$scratch/$(basename "$script").log
-		if [ "$(cat "$log.status" 2>/dev/null)" = 0 ]; then
-			group_passed=$((group_passed + 1))
-		else
-			group_failed=$((group_failed + 1))
-			echo "FAIL $script"
-			head -n 60 "$log" | sed 's/^/   /'
-		fi
-	done
-}
-
-for item in "$@"; do
-	build=${item%:*} group=${item##*:}
-	group_passed=0 group_failed=0
-	begin=$(date +%s)
-	case $build in
+# Does one job and leaves a line of what came of it: group, passed, failed, skipped, seconds, what.
+run_job() { # number group runner build source
+	local log=$scratch/$1.log good=0 bad=0 skips=0 status spent
+	case $4 in
 	*sanitize*) export ASAN_OPTIONS="$asan" ;;
 	*) unset ASAN_OPTIONS ;;
 	esac
-	case $group in
-	unit | hostile) run_programs "$build" "tests/$group"/test_*.c "tests/$group"/test_*.cpp ;;
-	# The one that takes longest first, so that the others have run when it ends.
-	physics)
-		others=(tests/physics/test_*.c)
-		run_programs "$build" tests/physics/test_shaders.c "${others[@]/*test_shaders.c/}"
-		;;
-	shaders)
-		GLOWWORM_TEST_PASSES=device GLOWWORM_TEST_VALIDATE=calls run_programs "$build" \
-			tests/physics/test_{boundaries,leaks,shadow_map,portals,glossy,gloss_caches}.c
-		;;
-	cli) run_cli "$build" ;;
-	quick-unit)
-		mapfile -t quick < <(list_quick tests/unit/test_*.c tests/unit/test_*.cpp)
-		run_programs "$build" "${quick[@]}"
-		;;
-	quick-cli)
-		mapfile -t quick < <(list_quick tests/cli/*.sh)
-		run_cli "$build" "${quick[@]}"
-		;;
-	interop) run_cli "$build" tests/interop/*.sh ;;
-	torture) run_torture "$build" ;;
-	lint) run_lint tests/lint/test_*.sh tests/lint/check_*.sh ;;
-	style)
-		run_lint tests/lint/check_{banned,format,layers,readme,scripts,style,symbols}.sh
-		;;
-	*)
-		echo "tests/suite.sh: there is no group $group" >&2
+	"$3" "$4" "$5" >"$log.said"
+	cat "$log.said"
+	rm -f "$log" "$log.said"
+	seconds_spent
+	echo "$2 $good $bad $skips $spent $4 $5" >"$scratch/$1.result"
+}
+
+# ---------------------------------------------------------------------------------- what came of it
+
+# The line of a group, and what it adds to the sums.
+count_group() { # number name jobs
+	local good bad skips seconds results
+	results=$(cat "$scratch"/*.result 2>/dev/null | grep "^$1 ")
+	# What left no result was killed.
+	read -r good bad skips seconds < <(awk -v jobs="$3" '{ g += $2; b += $3; k += $4; s += $5 }
+		END { print g + 0, b + jobs - NR, k + 0, s + 0.5 }' <<<"$results")
+	printf '%-30s %5d passed %4d failed %5d s\n' "$2" "$good" "$bad" "${seconds%.*}"
+	passed=$((passed + good)) failed=$((failed + bad)) skipped=$((skipped + skips))
+}
+
+for item in "$@"; do
+	if [ -z "$(list_tests "${item%:*}" "${item##*:}")" ]; then
+		echo "tests/suite.sh: there is no group ${item##*:}" >&2
 		exit 2
-		;;
-	esac
-	printf '%-24s %5d passed %4d failed %5d s\n' "$build $group" "$group_passed" "$group_failed" \
-		$(($(date +%s) - begin))
-	passed=$((passed + group_passed))
-	failed=$((failed + group_failed))
+	fi
 done
-[ -f "$GLOWWORM_TEST_SECONDS" ] && sort -rn "$GLOWWORM_TEST_SECONDS" | head -n 12 |
-	awk 'NR == 1 { print "took longest, seconds of the processor:" } { printf "%6d %s\n", $1, $2 }'
+list_jobs "$@" >"$scratch/jobs"
+while read -r turn job; do
+	[ "$turn" = alone ] && continue
+	while [ "$(jobs -rp | wc -l)" -ge "$(nproc)" ]; do wait -n; done
+	# shellcheck disable=SC2086
+	run_job $job &
+done <"$scratch/jobs"
+wait
+while read -r turn job; do
+	[ "$turn" = alone ] || continue
+	# shellcheck disable=SC2086
+	run_job $job &
+	wait
+done <"$scratch/jobs"
+number=0
+for item in "$@"; do
+	count_group "$number" "${item%:*} ${item##*:}" \
+		"$(grep -c "^[a-z0-9]* [0-9]* $number " "$scratch/jobs")"
+	number=$((number + 1))
+done
+sort -rn -k 5,5 "$scratch"/*.result | awk '{ print $5, $6, $7 }' >"$scratch/seconds"
+echo "took longest, seconds of the processor:"
+head -n 12 "$scratch/seconds" | awk '{ printf "%6.0f %s %s\n", $1, $2, $3 }'
+[ -z "${GLOWWORM_TEST_SECONDS:-}" ] || cp "$scratch/seconds" "$GLOWWORM_TEST_SECONDS"
 [ "$skipped" -eq 0 ] || echo "$skipped skipped"
 echo "$passed passed, $failed failed"
 [ "$failed" -eq 0 ] && [ "$passed" -gt 0 ]

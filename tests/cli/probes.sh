@@ -1,6 +1,7 @@
 # Probes in two rooms of points: files that open, with places in the rooms and in the coordinates of
 # the input; the same bytes twice; and sentences for what cannot be.
 glowworm info --devices >/dev/null 2>&1 || { echo "there is no Vulkan device"; exit 77; }
+. "$SOURCE/tests/cli/shared_functions"
 make_box --scene rooms --points 6000 -o rooms.ply
 place() { glowworm probes rooms.ply --rays 16 --moves 4 -q "$@"; }
 place -o one.exr --json one.json --vdb one.vdb --size 16
@@ -30,47 +31,15 @@ print(picture[:4] == b"v/1\1", b"%d probes of 16 x 16" % len(probes) in picture,
 END
 # Balls. In a furnace, which is equally bright to all sides, a white ball cannot be told from what
 # lies behind it, but for what slips through its wall, 0.2 % of the rays, and the rounding to bytes.
-# Under the lamp of a ceiling a ball is brighter above than below.
 make_box --scene furnace --points 20000 --albedo 0 -o furnace.ply
 glowworm probes furnace.ply --rays 16 --moves 0 --camera 'at 0.6,0,0.1 to 0,0,0 fov 40' \
 	--picture furnace.png 2>&1 | grep picture
-cat >at.py <<'END'
-import json
-x, y, z = json.load(open("one.json"))["probes"][0]["position"]
-print(f"at {x - 0.5},{y},{z} to {x},{y},{z} fov 40")
-END
-place --camera "$(/usr/bin/python3 at.py)" --picture ball.png
-place --camera "$(/usr/bin/python3 at.py)" --picture twin.png
-cmp ball.png twin.png
-cat >look.py <<'END'
-import struct, zlib
-
-def pixels(name):
-    data, at, packed = open(name, "rb").read(), 8, b""
-    while at < len(data):
-        length, kind = struct.unpack(">I4s", data[at:at + 8])
-        if kind == b"IHDR":
-            width, height = struct.unpack(">II", data[at + 8:at + 16])
-        if kind == b"IDAT":
-            packed += data[at + 8:at + 8 + length]
-        at += 12 + length
-    raw, rows, before, line = zlib.decompress(packed), [], bytearray(3 * width), 3 * width
-    for y in range(height):
-        kind, row = raw[y * (line + 1)], bytearray(raw[y * (line + 1) + 1:(y + 1) * (line + 1)])
-        for i in range(line):
-            a, b, c = (row[i - 3], before[i], before[i - 3]) if i > 2 else (0, before[i], 0)
-            nearest = min((abs(b - c), 0, a), (abs(a - c), 1, b), (abs(a + b - 2 * c), 2, c))[2]
-            row[i] = row[i] + (0, a, b, (a + b) // 2, nearest)[kind] & 255
-        rows.append(row)
-        before = row
-    return rows
-
+write_png_reader
+/usr/bin/python3 - <<'END'
+from png_reader import pixels
 sphere = pixels("furnace.png")
 print("furnace", max(map(max, sphere)) - min(map(min, sphere)) <= 2)
-ball = pixels("ball.png")
-print("ball", ball[425][2400] > ball[475][2400] + 5)
 END
-/usr/bin/python3 look.py
 # Coordinates in feet stay in feet, and what is far from the origin stays there.
 glowworm probes rooms.ply --rays 16 --moves 0 -q --count 1 --units ft --size 4 --json feet.json
 sed -n '/"position"/p' feet.json | head -1 | grep -c position

@@ -16,7 +16,7 @@ for surface in '"albedo": 0, "specular": 1' '"albedo": 1'; do
 done
 run 0 compare first.ply some.ply --max-relrmse 0 >figures.txt
 
-small='--size 160x120 --exposure 0 --samples 1'
+small='--size 96x72 --exposure 0 --samples 1'
 # shellcheck disable=SC2086
 for how in off rays cones caches; do
 	run 0 render lit.ply -o $how.png $small --glossy $how

@@ -1,7 +1,7 @@
 # The sweep: a row a setting, figures that agree between table, CSV and picture, and what reaches an
 # error.
 glowworm info --devices >/dev/null 2>&1 || { echo "there is no Vulkan device"; exit 77; }
-make_box --scene corner --points 1500 -o box.ply
+make_box --scene corner --points 500 -o box.ply
 glowworm tradeoff box.ply --csv a.csv --svg a.svg --max-error 0.5 >table.txt
 echo "status $?"
 grep -cE '^(rays|cones|buffers|volume,|lpv,|probes,) ' table.txt

@@ -164,7 +164,7 @@ static double luminance(double r, double g, double b)
 	return 0.2126 * r + 0.7152 * g + 0.0722 * b;
 }
 
-enum { WANTED = 1000, PATHS = 64 };
+enum { WANTED = 400, PATHS = 64 };
 
 /* Places on the surface of a scene, and the light there: traced once for all bakes of these. */
 typedef struct truth {

@@ -1,0 +1,22 @@
+# Balls where probes stand: under the lamp of a ceiling one is brighter above than below; and the
+# same picture twice.
+glowworm info --devices >/dev/null 2>&1 || { echo "there is no Vulkan device"; exit 77; }
+. "$SOURCE/tests/cli/shared_functions"
+make_box --scene rooms --points 6000 -o rooms.ply
+place() { glowworm probes rooms.ply --rays 16 --moves 4 -q "$@"; }
+place --json one.json --size 16
+cat >at.py <<'END'
+import json
+x, y, z = json.load(open("one.json"))["probes"][0]["position"]
+print(f"at {x - 0.5},{y},{z} to {x},{y},{z} fov 40")
+END
+for picture in ball twin; do
+	place --camera "$(/usr/bin/python3 at.py)" --picture $picture.png
+done
+cmp ball.png twin.png
+write_png_reader
+/usr/bin/python3 - <<'END'
+from png_reader import pixels
+ball = pixels("ball.png")
+print("ball", ball[425][2400] > ball[475][2400] + 5)
+END
