@@ -571,12 +571,14 @@ gw_octree_width gw_render_octree_width(const gw_render_octree *octree);
 
 /*
  * Where a bake with such an octree would gather light first.
+ *   surfels    those that the octree was built of
  *   bake       of these record_spacing, least_records and seed
  *   position   on success 3 * *count, metres in the surfels' local frame, for free(); NULL on
  * failure
  */
-gw_status gw_render_octree_records(gw_render_octree *octree, const gw_bake_options *bake,
-								   float **position, size_t *count, gw_error *error);
+gw_status gw_render_octree_records(gw_render_octree *octree, const gw_surfels *surfels,
+								   const gw_bake_options *bake, float **position, size_t *count,
+								   gw_error *error);
 
 /*
  * The share of one light that each surfel sees, whichever way it faces.

@@ -277,7 +277,8 @@ static gw_status make_records(const settings *s, const render_scene *scene, octr
 	static const float cyan[3] = { 0.0f, 0.7f, 1.0f };
 	float *position;
 	v->size = RECORD_SIZE * scene->surfels.spacing;
-	gw_status status = gw_render_octree_records(o, &s->bake, &position, &v->shown, error);
+	gw_status status =
+		gw_render_octree_records(o, &scene->surfels, &s->bake, &position, &v->shown, error);
 	for (size_t i = 0; i < v->shown && status == GW_OK; i++) {
 		float low[3];
 		for (size_t k = 0; k < 3; k++)

@@ -139,11 +139,12 @@ gw_octree_width gw_render_octree_width(const gw_render_octree *octree)
 	return (gw_octree_width){ (double)o->leaf_size, (double)o->wanted_leaf_size, o->why_coarser };
 }
 
-gw_status gw_render_octree_records(gw_render_octree *o, const gw_bake_options *bake,
-								   float **position, size_t *count, gw_error *error)
+gw_status gw_render_octree_records(gw_render_octree *o, const gw_surfels *surfels,
+								   const gw_bake_options *bake, float **position, size_t *count,
+								   gw_error *error)
 {
 	const gw_record_wish wish = { .spacing = bake->record_spacing,
-								  .least = bake->least_records,
+								  .least = gw_records_least(surfels, bake->least_records),
 								  .seed = bake->seed };
 	gw_records records = { 0 };
 	const gw_record_context on = { &o->passes, &o->octree, &records };

@@ -22,6 +22,14 @@ for file in *.png; do # the pixels, without what a picture says of itself
 	tail -c +"$(($(grep -abo IDAT "$file" | head -n 1 | cut -d: -f1) + 1))" "$file" | cksum
 done | sort | uniq -d | wc -l # a lamp by number is the lamp by name
 
+# As many records as a bake places, more where surface is white.
+make_box --scene furnace --points 6000 --albedo 0.9 --emission 0 -o white.ply
+run 0 bake white.ply -o white_lit.ply -q --light 'point at 0,0,0 intensity 1' --estimate-points 0 \
+	--report white.json
+run 0 render white.ply -o white.png --size 64x48 --view records -v |
+	sed -n 's/^shown *\([0-9]*\),.*/\1/p' >shown.txt
+grep -o '"records": [0-9]*' white.json | sed 's/.* //' | cmp - shown.txt && echo same records
+
 echo == bad wishes
 bad() {
 	run "$1" render "$2" -o x.png --view "$3"
