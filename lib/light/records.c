@@ -315,9 +315,6 @@ static gw_status place(const gw_record_context *on, const gw_place_task *task, u
 	return status;
 }
 
-/* Of fewer points nobody knows the surface so well that light between records would matter. */
-#define RECORDS_POINTS 500u
-
 /* What reading between records loses of one reflection is lost of all that follow: twice in all
  * where surface reflects half of its light, ten times where it reflects 0.95. So records of small
  * clouds are more where surface is whiter, in proportion, at most so many times as many: rooms of
@@ -327,8 +324,6 @@ static gw_status place(const gw_record_context *on, const gw_place_task *task, u
 uint32_t gw_records_least(const gw_surfels *s, uint32_t asked)
 {
 	double albedo = 0.0, area = 0.0;
-	if (s->count < RECORDS_POINTS)
-		return 0;
 	for (size_t i = 0; i < s->count; i++) {
 		albedo += (double)s->area[i] * gw_luminance(s->albedo + 3 * i);
 		area += (double)s->area[i];

@@ -71,8 +71,8 @@ gw_status gw_records_place(const gw_record_context *on, const gw_record_wish *wi
 						   gw_error *error);
 void gw_records_destroy(gw_gpu *gpu, gw_records *records);
 
-/* gw_record_wish.least of a cloud, by what gw_bake_options.least_records asks for: none of hardly
- * any points, more where surface is white. */
+/* gw_record_wish.least of a cloud, by what gw_bake_options.least_records asks for: more where
+ * surface is white. */
 uint32_t gw_records_least(const gw_surfels *surfels, uint32_t asked);
 
 /*

@@ -207,14 +207,64 @@ static void strays_are_counted(void **state)
 	scene_clear(&s);
 }
 
+/* Mean reflected light of 150 loose points in a cube, of which a spot light meets a few. */
+static double crowd_reflects(uint64_t seed, const gw_bake_options *options)
+{
+	scene s = { .state = 104729u * seed };
+	for (int i = 0; i < 150; i++) {
+		double place[3], normal[3], squared = 0;
+		for (int k = 0; k < 3; k++) {
+			place[k] = 2 * scene_random(&s) - 1;
+			normal[k] = 2 * scene_random(&s) - 1;
+			squared += normal[k] * normal[k];
+		}
+		for (int k = 0; k < 3; k++)
+			normal[k] /= sqrt(squared);
+		scene_add(&s, place, normal, 0.5f);
+	}
+	gw_points points = scene_points(&s);
+	gw_light light = scene_point_light(0.003, 0.002, 0.004, 1);
+	light.type = GW_LIGHT_SPOT;
+	light.direction[2] = -1;
+	light.inner_angle = 20;
+	light.outer_angle = 30;
+	gw_bake_result *result = scene_bake(&points, &light, 1, options);
+	double mean = scene_mean(result->indirect_irradiance, s.count, 0);
+	gw_bake_result_destroy(&result);
+	scene_clear(&s);
+	return mean;
+}
+
+/* Hardly any points have as many records as larger clouds, which cost nothing there. A mean over N
+ * of them is off by its deviation over the root of N: here there are 216 of a draft; of the 38 that
+ * there were, the light was off by 0.60 of it on average, held against one with records and rays
+ * all over. By the root of 38 / 216 that is 0.25, and 0.34 is seen; halfway to what it was. */
+static void few_points_have_records(void **state)
+{
+	enum { CROWDS = 40 };
+	double off = 0, all = 0;
+	gw_bake_options draft = gw_bake_options_default();
+	(void)state;
+	gw_bake_options_set_quality(&draft, GW_QUALITY_DRAFT);
+	draft.estimate_points = 0;
+	gw_bake_options fine = draft;
+	fine.record_spacing = 0.25f;
+	fine.rays = 2048;
+	for (uint64_t seed = 1; seed <= CROWDS; seed++) {
+		double right = crowd_reflects(seed, &fine);
+		off += fabs(crowd_reflects(seed, &draft) - right);
+		all += right;
+	}
+	print_message("drafts of few points are off by %.3f of the reflected light\n", off / all);
+	assert_true(off < 0.47 * all);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(dense_caps_change_nothing),
-		cmocka_unit_test(depth_changes_nothing),
-		cmocka_unit_test(walls_reflect_what_lamps_send),
-		cmocka_unit_test(strays_change_nothing),
-		cmocka_unit_test(strays_are_counted),
+		cmocka_unit_test(dense_caps_change_nothing),     cmocka_unit_test(depth_changes_nothing),
+		cmocka_unit_test(walls_reflect_what_lamps_send), cmocka_unit_test(few_points_have_records),
+		cmocka_unit_test(strays_change_nothing),         cmocka_unit_test(strays_are_counted),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
