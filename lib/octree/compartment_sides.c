@@ -284,9 +284,9 @@ static uint32_t vote_of_wall(const float place[3], const float normal[3], const 
 	return before > 0.0f ? WALL_VOTES : 0;
 }
 
-/* Adds the votes of a leaf's surfels on a place; of walls as well, where several compartments are
- * near. */
-static void add_votes(const sight *s, uint32_t leaf, const ballot *on, votes *v)
+/* Adds the votes of a leaf's surfels on a place; those of walls apart, where several compartments
+ * are near. */
+static void add_votes(const sight *s, uint32_t leaf, const ballot *on, votes *v, votes *walls)
 {
 	const float *place = on->place, *normal = on->normal;
 	for (uint32_t f = s->leaf_fragment[leaf]; f < s->leaf_fragment[leaf + 1]; f++) {
@@ -303,7 +303,7 @@ static void add_votes(const sight *s, uint32_t leaf, const ballot *on, votes *v)
 		if (is_voter)
 			vote(v, label, 1);
 		else if (on->walls)
-			vote(v, label, vote_of_wall(place, normal, q, m));
+			vote(walls, label, vote_of_wall(place, normal, q, m));
 	}
 }
 
@@ -378,15 +378,18 @@ static void find_neighbourhood(const sight *s, const int32_t cell[3], int side,
 }
 
 /* The label that a neighbourhood votes for. Where all of it has one label, the first vote decides.
- */
+ * Walls vote where surfels of the place's sheet disagree: those that agree know better than walls
+ * whose two sides lie in each other's noise. */
 static uint32_t vote_on(const sight *s, const neighbourhood *near, const float place[3],
 						const float normal[3], int side)
 {
 	bool mixed = near->label == MANY;
 	const ballot on = { place, normal, side, mixed && side == 0 && s->voters == SAME_SHEET };
-	votes v = { .used = 0 };
+	votes v = { .used = 0 }, walls = { .used = 0 };
 	for (uint32_t i = 0; i < near->leaves && (mixed || v.used == 0); i++)
-		add_votes(s, near->leaf[i], &on, &v);
+		add_votes(s, near->leaf[i], &on, &v, &walls);
+	for (uint32_t i = 0; i < walls.used && v.used != 1; i++)
+		vote(&v, walls.label[i], walls.count[i]);
 	return s->voters == ALL_NEAR && v.used > 1 ? GW_COMPARTMENT_UNKNOWN : winner(&v);
 }
 

@@ -88,8 +88,9 @@ static void add_random_box(scene *s, box b)
 	}
 }
 
-/* Points that get light from a sun at some height, degrees, of six around. */
-static size_t count_sunlit(const scene *s, double height, uint32_t depth)
+/* Of the first `count` points those that get light from a sun at some height, degrees, of six
+ * around. */
+static size_t count_sunlit_of(const scene *s, size_t count, double height, uint32_t depth)
 {
 	gw_points points = scene_points(s);
 	gw_bake_options options = gw_bake_options_default();
@@ -105,10 +106,15 @@ static size_t count_sunlit(const scene *s, double height, uint32_t depth)
 	}
 	gw_bake_result *result = scene_bake(&points, sun, SUNS, &options);
 	size_t lit = 0;
-	for (size_t i = 0; i < s->count; i++)
+	for (size_t i = 0; i < count; i++)
 		lit += result->direct_irradiance[3 * i] > 0.0f;
 	gw_bake_result_destroy(&result);
 	return lit;
+}
+
+static size_t count_sunlit(const scene *s, double height, uint32_t depth)
+{
+	return count_sunlit_of(s, s->count, height, depth);
 }
 
 /* Of the first `count` points those that get more light than some from a sky, a lamp at
@@ -433,6 +439,30 @@ static void so_do_walls_thinner_than_cells(void **state)
 	}
 }
 
+/* With noise of half a spacing both sides of a wall a tenth of that thick lie in each other. At the
+ * foot of a wall its outside outvoted the points of the floor, all of which look into the room. */
+static void noise_changes_no_sides(void **state)
+{
+	(void)state;
+	size_t lit = 0;
+	for (uint64_t seed = 0; seed < 24; seed++) {
+		scene s = { .state = 777u * (seed + 1) };
+		box b = { .count = 6000, .width = 1.0, .facing = 1, .noise = 0.5 };
+		b.about_x = b.about_z = seed < 16 ? 0.0 : 0.7;
+		add_random_box(&s, b);
+		size_t inside = s.count;
+		b.width = 1.0 + 0.2 * (double)(1 + seed % 4) * sqrt(6.0 / 6000.0);
+		b.count = (size_t)(6000.0 * b.width * b.width);
+		b.noise /= b.width; /* in spacings of the inner box */
+		b.facing = -1;
+		add_random_box(&s, b);
+		lit += count_sunlit_of(&s, inside, 40.0, GW_DEPTH_AUTO);
+		scene_clear(&s);
+	}
+	print_message("behind walls of 0.1 to 0.4 spacings with noise: %zu lit\n", lit);
+	assert_int_equal(lit, 0);
+}
+
 /* The centres of some cells of a grid lie in the wall, and see what lies on both of its sides. Each
  * belongs to one side. Before, places of both sides read them, and all points within were lit. */
 static void cells_in_walls_belong_to_one_side(void **state)
@@ -619,6 +649,7 @@ int main(void)
 		cmocka_unit_test(white_rooms_keep_their_light),
 		cmocka_unit_test(walls_with_two_sides_shut_out),
 		cmocka_unit_test(so_do_walls_thinner_than_cells),
+		cmocka_unit_test(noise_changes_no_sides),
 		cmocka_unit_test(cells_in_walls_belong_to_one_side),
 		cmocka_unit_test(glowing_rooms_stay_light),
 		cmocka_unit_test(and_walls_between_rooms),
