@@ -237,11 +237,11 @@ static double crowd_reflects(uint64_t seed, const gw_bake_options *options)
 
 /* Hardly any points have as many records as larger clouds, which cost nothing there. A mean over N
  * of them is off by its deviation over the root of N: here there are 216 of a draft; of the 38 that
- * there were, the light was off by 0.60 of it on average, held against one with records and rays
- * all over. By the root of 38 / 216 that is 0.25, and 0.34 is seen; halfway to what it was. */
+ * there were, the light was off by 0.53 of it on average, held against one with records and rays
+ * all over. By the root of 38 / 216 that is 0.22, and 0.30 is seen; halfway to what it was. */
 static void few_points_have_records(void **state)
 {
-	enum { CROWDS = 40 };
+	enum { CROWDS = 20 };
 	double off = 0, all = 0;
 	gw_bake_options draft = gw_bake_options_default();
 	(void)state;
@@ -249,14 +249,14 @@ static void few_points_have_records(void **state)
 	draft.estimate_points = 0;
 	gw_bake_options fine = draft;
 	fine.record_spacing = 0.25f;
-	fine.rays = 2048;
+	fine.rays = 1024;
 	for (uint64_t seed = 1; seed <= CROWDS; seed++) {
 		double right = crowd_reflects(seed, &fine);
 		off += fabs(crowd_reflects(seed, &draft) - right);
 		all += right;
 	}
 	print_message("drafts of few points are off by %.3f of the reflected light\n", off / all);
-	assert_true(off < 0.47 * all);
+	assert_true(off < 0.41 * all);
 }
 
 int main(void)

@@ -423,5 +423,14 @@ int main(void)
 		cmocka_unit_test(mirror_shows_the_sky),
 		cmocka_unit_test(bricks_hold_a_linear_field),
 	};
+	/* How probes are traced by shaders is in test_shaders.c; they are read on the CPU. */
+	const struct CMUnitTest by_shaders[] = {
+		cmocka_unit_test(furnace_stays_white),
+		cmocka_unit_test(mirror_shows_the_place),
+		cmocka_unit_test(mirror_shows_the_sky),
+		cmocka_unit_test(bricks_hold_a_linear_field),
+	};
+	if (scene_by_shaders())
+		return cmocka_run_group_tests(by_shaders, NULL, NULL);
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
