@@ -46,16 +46,22 @@ size_t camera_plan_count(const camera_plan *plan)
 	return plan->text_count * plan->orbit;
 }
 
-/* To the digits that a camera is printed with, so that it takes the same picture again. */
+#define ROUNDING 1e-10 /* of CAMERA_TEXT_NUMBER */
+
+/* To the digits that a camera is printed with, so that it takes the same picture again; and what is
+ * less than a rounding of the longest way along an axis is none. */
 static void round_view(const coordinates *place, gw_viewpoint *view)
 {
+	double longest = 0.0;
 	coordinates_from_metres(place, view->at);
 	coordinates_from_metres(place, view->to);
+	for (int k = 0; k < 3; k++)
+		longest = fmax(longest, fabs(view->to[k] - view->at[k]));
 	for (int k = 0; k < 6; k++) {
 		double *number = k < 3 ? view->at + k : view->to + k - 3;
 		char text[64];
 		snprintf(text, sizeof text, CAMERA_TEXT_NUMBER, *number);
-		*number = strtod(text, NULL);
+		*number = fabs(*number) < ROUNDING * longest ? 0.0 : strtod(text, NULL);
 	}
 	coordinates_to_metres(place, view->at);
 	coordinates_to_metres(place, view->to);

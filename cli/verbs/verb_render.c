@@ -397,8 +397,7 @@ static gw_status shade(render *r, const gw_camera *camera, const gw_raster_optio
 		octree_view_values(&r->inner, camera, g, values);
 	else
 		render_view_values(&r->scene, g, r->look.view, values);
-	if (r->octree.octree || r->octree.probes)
-		GW_TRY(octree_picture_shade(&r->octree, &r->scene, camera, g, values, r->error));
+	GW_TRY(octree_picture_shade(&r->octree, &r->scene, camera, g, values, r->error));
 	if (octree_view_is_overlay(r->look.view))
 		GW_TRY(lay_over(r, camera, raster, g, values));
 	r->shade_seconds += gw_seconds() - start;
@@ -752,7 +751,7 @@ static void summarize(const render *r)
 	fprintf(stderr, "draw      %.2f s\n", r->draw_seconds);
 	if (r->inner.shown)
 		fprintf(stderr, "shown     %zu, %.4g m wide\n", r->inner.shown, (double)r->inner.size);
-	if (!r->octree.octree && !r->octree.probes)
+	if (!r->octree.glossy && !r->octree.voxels)
 		return;
 	fprintf(stderr, "octree    %.2f s to build (of read), %.2f s to look up (of draw)\n",
 			r->octree.build_seconds, r->octree.seconds);

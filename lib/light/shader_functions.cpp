@@ -4,7 +4,7 @@
  */
 #include "light/shader_functions.h"
 
-#include "base/shared_math.h"
+#include "base/shader_vectors.h"
 
 namespace glsl
 {
@@ -26,16 +26,6 @@ struct record : directions {
 	gw_record_push push;
 #include "light/record_ray.glsl"
 };
-
-vec3 from_c(gw_vec3 v)
-{
-	return vec3(v.x, v.y, v.z);
-}
-
-gw_vec3 to_c(vec3 v)
-{
-	return gw_vec3{ v.x, v.y, v.z };
-}
 
 } // namespace
 } // namespace glsl

@@ -4,6 +4,8 @@
  */
 #include "picture/gloss_functions.h"
 
+#include "base/shader_vectors.h"
+
 namespace glsl
 {
 namespace
@@ -13,38 +15,28 @@ struct gloss {
 #include "picture/glossy.glsl"
 };
 
-vec3 of(gw_vec3 v)
-{
-	return vec3(v.x, v.y, v.z);
-}
-
-gw_vec3 of(vec3 v)
-{
-	return gw_vec3{ v.x, v.y, v.z };
-}
-
 } // namespace
 } // namespace glsl
 
 gw_vec3 gw_gloss_facing(gw_vec3 normal, gw_vec3 to_eye)
 {
 	glsl::gloss text;
-	return glsl::of(text.face_eye(glsl::of(normal), glsl::of(to_eye)));
+	return glsl::to_c(text.face_eye(glsl::from_c(normal), glsl::from_c(to_eye)));
 }
 
 uint32_t gw_gloss_rays(const gw_gloss_seen *seen, uint32_t most)
 {
 	glsl::gloss text;
-	float cosine = glsl::dot(glsl::of(seen->normal), glsl::of(seen->to_eye));
+	float cosine = glsl::dot(glsl::from_c(seen->normal), glsl::from_c(seen->to_eye));
 	return text.gloss_rays(seen->roughness, text.fresnel(seen->reflectance, cosine), most);
 }
 
 gw_vec3 gw_gloss_direction(const gw_gloss_seen *seen, uint32_t own, uint32_t k, float *share)
 {
 	glsl::gloss text;
-	return glsl::of(text.reflected_direction(glsl::of(seen->normal), glsl::of(seen->to_eye),
-											 seen->roughness, seen->reflectance,
-											 text.gloss_place(own, k), *share));
+	return glsl::to_c(text.reflected_direction(
+		glsl::from_c(seen->normal), glsl::from_c(seen->to_eye), seen->roughness, seen->reflectance,
+		text.gloss_place(own, k), *share));
 }
 
 uint32_t gw_gloss_word(uint32_t pixel, uint32_t seed)

@@ -223,21 +223,30 @@ static void probes_keep_the_furnace_white(void **state)
 	close_world(&w);
 }
 
+/* The way of a ray from an eye that a mirror turns; returns the cosine at which it is met. */
+static double mirror(const double eye[3], const double at[3], const float normal[3], double way[3])
+{
+	double length = 0.0, along = 0.0;
+	for (size_t k = 0; k < 3; k++) {
+		way[k] = at[k] - eye[k];
+		length += way[k] * way[k];
+		along += way[k] * (double)normal[k];
+	}
+	for (size_t k = 0; k < 3; k++)
+		way[k] = (way[k] - 2.0 * along * (double)normal[k]) / sqrt(length);
+	return -along / sqrt(length);
+}
+
 /* RMS of what mirrors on the ball show against 2 + z where the mirrored ray leaves the sphere. */
 static double mirror_error(const world *w, const float *position, const float *normal,
 						   const float *reflected)
 {
 	double square = 0.0;
 	for (size_t i = 0; i < PIXELS; i++) {
-		double from[3], d[3], length = 0.0, along = 0.0;
-		for (size_t k = 0; k < 3; k++) {
-			from[k] = (double)position[4 * i + k] + w->surfels.origin[k];
-			d[k] = from[k] - (k == 0 ? 0.8 : 0.0);
-			length += d[k] * d[k];
-			along += d[k] * (double)normal[4 * i + k];
-		}
+		double from[3], d[3];
 		for (size_t k = 0; k < 3; k++)
-			d[k] = (d[k] - 2.0 * along * (double)normal[4 * i + k]) / sqrt(length);
+			from[k] = (double)position[4 * i + k] + w->surfels.origin[k];
+		mirror((double[3]){ 0.8, 0, 0 }, from, normal + 4 * i, d);
 		double off = (double)reflected[4 * i] - (2.0 + exit_z(from, d));
 		square += off * off / PIXELS;
 	}
@@ -339,16 +348,14 @@ static void check_sky(world *w, double turn, bool y_up, bool cone)
 	assert_ok(gw_render_octree_reflect(w->octree, &pixels, &how, reflected, &error), &error);
 	double square = 0.0, count = 0.0;
 	for (size_t i = 0; i < PIXELS; i++) {
-		double d[3], length = 0.0, along = 0.0;
+		double d[3], at[3], eye[3];
 		for (size_t k = 0; k < 3; k++) {
-			d[k] = (double)position[4 * i + k] - (double)pixels.eye[k];
-			length += d[k] * d[k];
-			along += d[k] * (double)normal[4 * i + k];
+			at[k] = (double)position[4 * i + k];
+			eye[k] = (double)pixels.eye[k];
 		}
-		if (along / sqrt(length) > -0.5)
+		if (mirror(eye, at, normal + 4 * i, d) < 0.5)
 			continue;
 		for (size_t k = 0; k < 3; k++) {
-			d[k] = (d[k] - 2.0 * along * (double)normal[4 * i + k]) / sqrt(length);
 			double off = (double)reflected[4 * i + k] - (k == 0 ? 1.0 : 0.0) - 2.0 * (2.0 + d[k]);
 			square += off * off;
 			if (!cone && !(fabs(off) < 0.11))
@@ -381,8 +388,8 @@ static void mirror_shows_the_sky(void **state)
  * Both kinds of sampling reproduce a radiance linear in z. A voxel holds the mean over its own
  * leaf, whose discs reach beyond it by up to a radius, and is taken for its centre: at most half a
  * leaf off, 0.016 m, beside that half floats, 2^-11 of 3. The weights of a voxel are its area,
- * which changes where the surface cuts a corner of it: once more half a leaf. So the RMS error
- * RMS error is below a quarter of one.
+ * which changes where the surface cuts a corner of it: once more half a leaf. So the RMS error is
+ * below a quarter of one.
  */
 static void bricks_hold_a_linear_field(void **state)
 {
