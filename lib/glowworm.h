@@ -501,6 +501,13 @@ typedef struct gw_effect {
 typedef struct gw_bounce {
 	double energy; /* reflected by it: sum over surface of area * rho * E, luminance, W */
 	double seconds;
+	/* By how many records that light comes, as if each brought as much: (sum of their parts)^2 over
+	 * the sum of squares. Where they stand makes `energy` wrong by a standard error of
+	 * 1/sqrt(carriers) at most. 0 in the first, whose light lamps, sky and emitters throw. */
+	double carriers;
+	/* E of the record that gathered most of it, in any channel, W/m^2; likewise. By rays no later
+	 * one exceeds rho times the one before: a record's light is a mean of what it sees. */
+	double largest_irradiance;
 } gw_bounce;
 
 /* How wrong a bake's radiance is, estimated by solving some points again (error_estimate.h).

@@ -136,6 +136,8 @@ static void write_bounces(json_writer *json, const bake_facts *f)
 		json_put_open_flat(json, NULL, '{');
 		json_put_real(json, "energy", r->bounce[i].energy);
 		json_put_real(json, "seconds", r->bounce[i].seconds);
+		json_put_real(json, "carriers", r->bounce[i].carriers);
+		json_put_real(json, "largest_irradiance", r->bounce[i].largest_irradiance);
 		json_put_close(json, '}');
 	}
 	json_put_close(json, ']');

@@ -17,6 +17,7 @@
 
 #include "glowworm_host.h"
 #include "light/hit_facets.h"
+#include "light/record_powers.h"
 #include "base/luminance.h"
 #include "base/memory.h"
 #include "base/parallel.h"
@@ -140,7 +141,7 @@ static gw_status find_contraction(const gw_bounces_task *task, double *contracti
 	return status;
 }
 
-static gw_status append(gw_bounces *bounces, double energy, double seconds, gw_error *error)
+static gw_status append(gw_bounces *bounces, gw_bounce bounce, gw_error *error)
 {
 	gw_bounce *grown =
 		gw_resize_array(bounces->bounce, bounces->bounce_count + 1, sizeof *bounces->bounce);
@@ -148,7 +149,7 @@ static gw_status append(gw_bounces *bounces, double energy, double seconds, gw_e
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for bounce %u",
 					   bounces->bounce_count + 1);
 	bounces->bounce = grown;
-	bounces->bounce[bounces->bounce_count++] = (gw_bounce){ energy, seconds };
+	bounces->bounce[bounces->bounce_count++] = bounce;
 	return GW_OK;
 }
 
@@ -186,18 +187,19 @@ typedef struct progress {
 	facet_sums sums;
 	gw_hit_facets hits; /* where a CPU kernel shades: facets that are not hit can be left out */
 	bool by_hits;
-	bool gathered; /* records->gathered is what the last bounce brought, and not reflected yet */
-	double energy; /* that the last bounce reflects */
+	gw_record_powers powers;
+	gw_gathered_light light; /* that the last bounce gathered */
+	bool gathered;           /* records->gathered is that, and not reflected yet */
+	double energy;           /* that the last bounce reflects */
 	float largest;
 } progress;
 
 /* The energy that is reflected of what has been gathered. */
-static gw_status measure_gathered(progress *p, gw_error *error)
+static gw_status take_energy(progress *p, gw_error *error)
 {
-	const gw_bounces_task *task = p->task;
-	double cell = (double)task->on.octree->leaf_size;
+	double cell = (double)p->task->on.octree->leaf_size;
 	p->gathered = true;
-	p->energy = gw_hit_facets_power(task->on.records, &p->hits) * M_PI * cell * cell;
+	p->energy = p->light.power * M_PI * cell * cell;
 	return isfinite(p->energy)
 			   ? GW_OK
 			   : gw_fail(error, GW_ERROR_INTERNAL, "a bounce's energy is not finite");
@@ -212,11 +214,20 @@ static gw_status bounce_once(progress *p, bool first, gw_error *error)
 		gw_hit_facets_shade(task->on.passes, task->on.octree, task->on.records, &p->hits,
 							task->facet_radiance);
 	GW_TRY(gather_once(task, first, p->largest, error));
+	GW_TRY(gw_record_powers_measure(&task->on, &p->powers, &p->light, error));
 	if (p->by_hits)
-		return measure_gathered(p, error);
+		return take_energy(p, error);
 	GW_TRY(gw_facets_shade(&task->on, &task->on.records->gathered, task->facet_direct, 0.0f,
 						   task->facet_radiance, error));
 	return measure(task, &p->sums, &p->energy, &p->largest, error);
+}
+
+static gw_bounce bounce_done(const progress *p, double started)
+{
+	return (gw_bounce){ .energy = p->energy,
+						.seconds = gw_seconds() - started,
+						.carriers = p->light.carriers,
+						.largest_irradiance = p->light.largest };
 }
 
 /* The reflection of direct light, and what bounds the others. */
@@ -228,9 +239,11 @@ static gw_status begin(progress *p, gw_bounces *bounces, gw_error *error)
 	GW_TRY(gw_facets_shade(&task->on, &task->on.records->first, task->facet_direct, 1.0f,
 						   task->facet_radiance, error));
 	GW_TRY(measure(task, &p->sums, &p->energy, &p->largest, error));
-	GW_TRY(append(bounces, p->energy, gw_seconds() - started, error));
+	GW_TRY(append(bounces, bounce_done(p, started), error));
 	if (task->limit > 1 && !task->no_bound)
 		GW_TRY(find_contraction(task, &bounces->contraction, error));
+	if (task->limit > 1)
+		GW_TRY(gw_record_powers_find(&task->on, &p->powers, error));
 	p->by_hits = task->step.hits && task->limit > 1 &&
 				 gw_passes_way(task->on.passes, GW_PASS_FACET_SHADE) == GW_WAY_CPU;
 	if (p->by_hits)
@@ -247,6 +260,7 @@ static gw_status go_on(progress *p, bool first, bool automatic, double *guessed,
 	if (!first || !task->carried || !automatic)
 		return bounce_once(p, first, error);
 	GW_TRY(begin_carried(task, &p->sums, p->largest, guessed, error));
+	GW_TRY(gw_record_powers_measure(&task->on, &p->powers, &p->light, error));
 	return measure(task, &p->sums, &p->energy, &p->largest, error);
 }
 
@@ -269,7 +283,7 @@ static gw_status run(progress *p, gw_bounces *bounces, gw_error *error)
 		double started = gw_seconds(), guessed;
 		GW_TRY(go_on(p, n == 1, automatic, &guessed, error));
 		total += guessed;
-		GW_TRY(append(bounces, p->energy, gw_seconds() - started, error));
+		GW_TRY(append(bounces, bounce_done(p, started), error));
 	}
 }
 
@@ -280,6 +294,7 @@ gw_status gw_bounces_run(const gw_bounces_task *task, gw_bounces *bounces, gw_er
 	gw_status status = run(&p, bounces, error);
 	sums_destroy(&p.sums);
 	gw_hit_facets_clear(&p.hits);
+	gw_record_powers_clear(&p.powers);
 	if (status != GW_OK) {
 		free(bounces->bounce);
 		*bounces = (gw_bounces){ 0 };

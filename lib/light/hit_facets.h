@@ -1,9 +1,8 @@
 /*
  * hit_facets.h - bounces from records to records on the processor, where facets can be left out.
  *
- * Only facets that rays hit matter to such a bounce, a third or a half of all; and the energy that
- * facets reflect is a weighted sum over the records. Work is cut into pieces that do not depend on
- * the number of threads, so neither do the results.
+ * Only facets that rays hit matter to such a bounce, a third or a half of all. Work is cut into
+ * pieces that do not depend on the number of threads, so neither do the results.
  */
 #ifndef HIT_FACETS_H
 #define HIT_FACETS_H
@@ -13,8 +12,6 @@
 typedef struct gw_hit_facets {
 	uint32_t *slot; /* count, ascending: slots that rays hit */
 	size_t count;
-	float *power; /* 3 a record: what its irradiance of 1 makes the facets reflect, as
-					 luminance times area in leaf cells^2 */
 } gw_hit_facets;
 
 /* Lists them. On success the caller clears *hits; on failure it is empty. */
@@ -26,9 +23,5 @@ void gw_hit_facets_clear(gw_hit_facets *hits); /* an empty one is accepted */
  * have. */
 void gw_hit_facets_shade(gw_passes *passes, const gw_octree *octree, const gw_records *records,
 						 const gw_hit_facets *hits, gw_buffer *facet_radiance);
-
-/* Luminance times area, leaf cells^2, that all facets reflect of records->gathered; of what is
- * below 0, its amount. */
-double gw_hit_facets_power(const gw_records *records, const gw_hit_facets *hits);
 
 #endif

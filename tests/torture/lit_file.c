@@ -153,8 +153,13 @@ bool lit_report_read(torture_case *c, const char *row, const char *name, lit_rep
 		return false;
 	}
 	const json_t *bounces = json_object_get(root, "bounces");
-	for (size_t i = 0; i < json_array_size(bounces) && i < REPORT_BOUNCES; i++)
-		report->energy[report->bounces++] = member(json_array_get(bounces, i), NULL, "energy");
+	for (size_t i = 0; i < json_array_size(bounces) && i < REPORT_BOUNCES; i++) {
+		const json_t *bounce = json_array_get(bounces, i);
+		report->energy[i] = member(bounce, NULL, "energy");
+		report->carriers[i] = member(bounce, NULL, "carriers");
+		report->largest[i] = member(bounce, NULL, "largest_irradiance");
+		report->bounces = i + 1;
+	}
 	report->records = member(root, NULL, "records");
 	report->error = member(root, "error", "relative_rms");
 	report->spread = member(root, "error", "spread");

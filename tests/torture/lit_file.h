@@ -25,7 +25,9 @@ double lit_file_mean(const lit_file *lit, size_t first, size_t end);
 
 /* What a report says; NaN where it says nothing. */
 typedef struct lit_report {
-	double energy[REPORT_BOUNCES]; /* sent out after each bounce */
+	double energy[REPORT_BOUNCES];   /* sent out after each bounce */
+	double carriers[REPORT_BOUNCES]; /* how many records brought it */
+	double largest[REPORT_BOUNCES];  /* irradiance of any of them */
 	size_t bounces;
 	double records, error, spread, remaining, depth, leaf_size, spacing, left_out;
 } lit_report;
