@@ -181,6 +181,16 @@ static void print_row(FILE *out, const char *component, const char *row, const g
 			100.0 * c->percentile_95, 100.0 * c->percentile_99, 100.0 * c->maximum, c->truth_mean);
 }
 
+/* relRMSE of the radiance beyond the truth's own error: the two are independent, so their squares
+ * add up. */
+static double beyond_truth(const compare_figures *f)
+{
+	double all = f->component[0].row[COMPARE_LUMINANCE].rel_rmse;
+	if (isnan(f->truth_error))
+		return NAN;
+	return sqrt(fmax(all * all - f->truth_error * f->truth_error, 0.0));
+}
+
 void compare_figures_print(const compare_figures *f, FILE *out)
 {
 	const matched_scans *m = f->match;
@@ -197,8 +207,10 @@ void compare_figures_print(const compare_figures *f, FILE *out)
 			print_row(out, row ? "" : f->component[i].name, row_name[row],
 					  &f->component[i].row[row]);
 	if (!isnan(f->truth_error))
-		fprintf(out, "the truth itself is known to %.2f %% (RMS of its standard error)\n",
-				100.0 * f->truth_error);
+		fprintf(out,
+				"the truth itself is known to %.2f %% (RMS of its standard error); without it the "
+				"radiance is %.2f %% off\n",
+				100.0 * f->truth_error, 100.0 * beyond_truth(f));
 }
 
 static void put_comparison(json_writer *json, const char *name, const gw_comparison *c)
@@ -229,6 +241,7 @@ void compare_figures_json(const compare_figures *f, bool missed, FILE *out)
 	json_put_count(&json, "not_finite", m->not_finite);
 	json_put_bool(&json, "missed", missed);
 	json_put_real(&json, "truth_error", f->truth_error);
+	json_put_real(&json, "beyond_truth_error", beyond_truth(f));
 	for (size_t i = 0; i < f->component_count; i++) {
 		json_put_open(&json, f->component[i].name, '{');
 		for (int row = 0; row < COMPARE_ROWS; row++)
