@@ -13,7 +13,6 @@
 #include "octree/octree_layout.h"
 #include "base/memory.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -212,11 +211,8 @@ static void add_closing(sparse *s, const cell *of, uint32_t surfel)
 /* Does the plane of a surfel pass a cell? */
 static bool passes(const sparse *s, uint32_t surfel, const cell *of)
 {
-	const float *p = s->place + 4 * (size_t)surfel, *n = s->normal + 4 * (size_t)surfel;
-	float half = 0.5f * (float)(1u << (s->c->depth - of->level)), off = 0.0f;
-	for (int k = 0; k < 3; k++)
-		off += n[k] * ((2.0f * (float)of->at[k] + 1.0f) * half - p[k]);
-	return fabsf(off) <= half * (fabsf(n[0]) + fabsf(n[1]) + fabsf(n[2]));
+	size_t at = 4 * (size_t)surfel;
+	return gw_plane_passes(s->place + at, s->normal + at, of->at, 1u << (s->c->depth - of->level));
 }
 
 /* A sparse cell's surface fills it, and so it does voids near it. */

@@ -179,6 +179,7 @@ static gw_status fetch_leaves(gw_gpu *gpu, const gw_octree *octree, const gw_sur
 	for (uint32_t t = 0; t < octree->leaf_tile_count; t++)
 		c->leaves[t] = (uint8_t)((const uint32_t *)tile.bytes)[2 * t + 1];
 	gw_view_close(&tile);
+	GW_TRY(gw_compartments_open_near(gpu, octree, surfels, c, error));
 	return surfels->transparency ? find_open_leaves(gpu, octree, surfels, c, error) : GW_OK;
 }
 

@@ -6,6 +6,8 @@
 
 #include "octree/compartments.h"
 
+#include <math.h>
+
 /* Of a cell that surface passes through, in place of a tile. */
 #define GW_WALL 0xffffffffu
 
@@ -39,6 +41,16 @@ void gw_compartments_place(const gw_octree *octree, const float g[3], float plac
 /* A child of a cell of a level. */
 gw_compartment_cell gw_compartment_child(const gw_compartments *c, uint32_t level,
 										 gw_compartment_cell of, uint32_t octant);
+
+/* Does a plane, of a place and a normal in leaf cells, pass a cell that is so many leaves wide? */
+static inline bool gw_plane_passes(const float *place, const float *normal, const int32_t at[3],
+								   uint32_t wide)
+{
+	float half = 0.5f * (float)wide, off = 0.0f;
+	for (int k = 0; k < 3; k++)
+		off += normal[k] * ((2.0f * (float)at[k] + 1.0f) * half - place[k]);
+	return fabsf(off) <= half * (fabsf(normal[0]) + fabsf(normal[1]) + fabsf(normal[2]));
+}
 
 /* Frees what is not needed where there is but one compartment. */
 void gw_compartments_drop_cells(gw_compartments *c);
@@ -77,6 +89,10 @@ gw_status gw_compartments_close_sparse(gw_gpu *gpu, const gw_octree *octree,
 gw_status gw_compartments_wall_discs(gw_gpu *gpu, const gw_octree *octree,
 									 const gw_surfels *surfels, gw_compartments *c,
 									 gw_error *error);
+
+/* Takes out of c->leaves those that hold neither a facet nor the plane of any of their points. */
+gw_status gw_compartments_open_near(gw_gpu *gpu, const gw_octree *octree, const gw_surfels *surfels,
+									gw_compartments *c, gw_error *error);
 
 /* Makes walls of the voids in surface. */
 gw_status gw_compartments_close_voids(gw_gpu *gpu, const gw_octree *octree, gw_compartments *c,
