@@ -47,6 +47,9 @@ LDLIBS   += -lvulkan -llz4 -ljansson -lexpat -llzf -lpng -lOpenEXRCore -lOpenEXR
 
 comma    := ,
 
+# For shared objects; a sanitizer's functions are in the program.
+NO_UNKNOWN := $(if $(filter sanitize fuzz,$(config)),,-Wl$(comma)-z$(comma)defs)
+
 # OpenVDB takes 40 ms to load and PROJ 6, so that each is a shared object that is opened when a grid
 # is written or a file names a coordinate system. The run path is the old kind, which is also seen
 # when a sanitizer calls dlopen for us.
@@ -113,8 +116,10 @@ $(BUILD)/glowworm: $(call objects,$(CLI_SOURCES) $(FORMATS_SOURCES)) $(BUILD)/li
 # Where its templates are from is no help to anyone, and takes a third of the longest compilation.
 $(call objects,$(VDB_SOURCE)): OWN_FLAGS := -g1
 
+# All that it takes has to be there, since part of OpenVDB is taken from its library as compiled:
+# with -DVDB_OWN_TEMPLATES in CPPFLAGS it is not.
 $(BUILD)/libglowworm-vdb.so: $(call objects,$(VDB_SOURCE))
-	$(CXX) $(LDFLAGS) -shared -o $@ $^ -lopenvdb -ltbb
+	$(CXX) $(LDFLAGS) -shared $(NO_UNKNOWN) -o $@ $^ -lopenvdb -ltbb -lImath
 
 $(BUILD)/libglowworm-proj.so: $(call objects,$(PROJ_SOURCE))
 	$(CC) $(LDFLAGS) -shared -o $@ $^ -lproj -lm
@@ -129,7 +134,7 @@ $(LIB_OBJECTS): OWN_FLAGS := $(LIB_FLAGS)
 
 $(BUILD)/$(SHARED): $(LIB_OBJECTS) lib/libglowworm.map
 	$(CXX) $(LDFLAGS) -shared -Wl,-soname,$(SONAME) -Wl,--version-script=lib/libglowworm.map \
-		$(if $(filter sanitize,$(config)),,-Wl$(comma)-z$(comma)defs) \
+		$(NO_UNKNOWN) \
 		-o $@ $(filter %.o,$^) $(LDLIBS)
 
 $(BUILD)/libglowworm.so: $(BUILD)/$(SHARED)
