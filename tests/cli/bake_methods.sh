@@ -5,7 +5,8 @@ glowworm info --devices >/dev/null 2>&1 || { echo "there is no Vulkan device"; e
 make_box --scene cornell --points 800 -o box.ply
 # Few cells and small maps, since what is asked holds to the bit.
 bake() {
-	run 0 bake box.ply -q --force --rays 16 --light-samples 16 --volume-cells 8 --estimate-points 0 "$@"
+	run 0 bake box.ply -q --force --rays 16 --light-samples 16 --volume-cells 8 \
+		--estimate-points 0 "$@"
 }
 bake -o rays.ply
 lamp='point at 0.5,0.5,0.7 intensity 1'
