@@ -24,6 +24,33 @@
 #include <string>
 #include <vector>
 
+/*
+ * OpenVDB's library has the grids of these types compiled, since it registers them, but its headers
+ * do not say so, and to compile them here once more takes three quarters of a minute. What the
+ * library of another version has is not known, nor what another compiler leaves to it: there all is
+ * compiled here. So is the one function that the library has inlined everywhere.
+ */
+#if OPENVDB_LIBRARY_MAJOR_VERSION_NUMBER == 10 && OPENVDB_LIBRARY_MINOR_VERSION_NUMBER == 0 &&     \
+	defined(__OPTIMIZE__) && !defined(__clang__) && !defined(VDB_OWN_TEMPLATES)
+template <typename Tree> using upper_node = typename Tree::RootNodeType::ChildNodeType;
+template <typename Tree> using lower_node = typename upper_node<Tree>::ChildNodeType;
+#define COMPILED_ELSEWHERE(type)                                                                   \
+	extern template class openvdb::Grid<type>;                                                     \
+	extern template class openvdb::tree::Tree<type::RootNodeType>;                                 \
+	extern template class openvdb::tree::RootNode<upper_node<type>>;                               \
+	extern template class openvdb::tree::InternalNode<lower_node<type>, 5>;                        \
+	extern template class openvdb::tree::InternalNode<type::LeafNodeType, 4>;                      \
+	template void openvdb::tree::InternalNode<lower_node<type>, 5>::getNodeLog2Dims(               \
+		std::vector<openvdb::Index> &);                                                            \
+	template void openvdb::tree::InternalNode<type::LeafNodeType, 4>::getNodeLog2Dims(             \
+		std::vector<openvdb::Index> &);
+COMPILED_ELSEWHERE(openvdb::FloatTree)
+COMPILED_ELSEWHERE(openvdb::Vec3STree)
+COMPILED_ELSEWHERE(openvdb::Int32Tree)
+COMPILED_ELSEWHERE(openvdb::tools::PointIndexTree)
+COMPILED_ELSEWHERE(openvdb::points::PointDataTree)
+#endif
+
 namespace
 {
 

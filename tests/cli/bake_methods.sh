@@ -3,7 +3,11 @@
 glowworm info --devices >/dev/null 2>&1 || { echo "there is no Vulkan device"; exit 77; }
 . "$SOURCE/tests/cli/shared_functions"
 make_box --scene cornell --points 800 -o box.ply
-bake() { run 0 bake box.ply -q --force --rays 16 --light-samples 16 "$@"; }
+# Few cells and small maps, since what is asked holds to the bit.
+bake() {
+	run 0 bake box.ply -q --force --rays 16 --light-samples 16 --volume-cells 8 \
+		--estimate-points 0 "$@"
+}
 bake -o rays.ply
 lamp='point at 0.5,0.5,0.7 intensity 1'
 for method in lpv probes; do
@@ -22,14 +26,6 @@ run 2 bake box.ply -q --rays 16 --light-samples 16 --method probes --probe-size 
 	--transport probes.transport -o bad.ply
 bake --method probes --light "$lamp" --fields lights -o columns.ply
 grep -ac scalar_light_ columns.ply
-
-# Narrow passages make no light: behind the boxes some are one cell wide. With an albedo of at most
-# 0.8 nothing sends out more than 1 / (1 - 0.8) times what the lamp does, 15.1 of green.
-cp "$SOURCE"/samples/cornell.* "$SOURCE"/samples/cornell_cube.obj .
-bake() { run 0 bake cornell.scene.json --count 2000 --effects -error -q "$@"; }
-bake --method lpv --volume-cells 24 -o cells.csv
-awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) if ($i == "scalar_radiance_g") c = i }
-	NR > 1 && $c > most { most = $c } END { print (most < 5 * 15.1 ? "bounded" : most) }' cells.csv
 
 run 2 bake box.ply --method lpv --volume-sh 9 -o bad.ply
 run 2 bake box.ply --method lpv --max-error 0.1 -o bad.ply

@@ -20,3 +20,13 @@ from png_reader import pixels
 ball = pixels("ball.png")
 print("ball", ball[425][2400] > ball[475][2400] + 5)
 END
+# In a furnace, which is equally bright to all sides, a white ball cannot be told from what
+# lies behind it, but for what slips through its wall, 0.2 % of the rays, and the rounding to bytes.
+make_box --scene furnace --points 20000 --albedo 0 -o furnace.ply
+glowworm probes furnace.ply --rays 16 --moves 0 --camera 'at 0.6,0,0.1 to 0,0,0 fov 40' \
+	--picture furnace.png 2>&1 | grep picture
+/usr/bin/python3 - <<'END'
+from png_reader import pixels
+sphere = pixels("furnace.png")
+print("furnace", max(map(max, sphere)) - min(map(min, sphere)) <= 2)
+END
