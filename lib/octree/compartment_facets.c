@@ -9,6 +9,7 @@
 #include "octree/compartments_steps.h"
 
 #include "base/memory.h"
+#include "cloud/frame.h"
 #include "octree/octree_layout.h"
 
 #include <stdlib.h>
@@ -132,7 +133,7 @@ gw_status gw_compartments_part_facets(gw_gpu *gpu, const gw_surfels *surfels, gw
 	gw_status status = fetch(gpu, &octree->fragment_weight, &p.weight, error);
 	if (status == GW_OK)
 		status = fetch(gpu, &octree->facet_centre, &p.centre, error);
-	if (status == GW_OK && surfels->emission != NULL)
+	if (status == GW_OK && gw_surfels_emit(surfels))
 		status = fetch(gpu, &octree->facet_emission, &p.emission, error);
 	if (status == GW_OK)
 		status = part_all(gpu, &p, error);

@@ -441,6 +441,26 @@ static void so_do_walls_thinner_than_cells(void **state)
 	}
 }
 
+/* Nor does anything else happen where both sides glow but emitters are forbidden: facets have no
+ * emission then from which that of another compartment would have to be taken. */
+static void so_do_those_that_only_show_their_glow(void **state)
+{
+	(void)state;
+	scene s = { 0 };
+	box b = { .count = 6000, .width = 1.0, .facing = 1 };
+	add_random_box(&s, b);
+	size_t inside = s.count;
+	b.width = 1.0 + 0.5 * sqrt(6.0 / 6000.0);
+	b.facing = -1;
+	add_random_box(&s, b);
+	scene_emit(&s, 0, glow);
+	gw_bake_options options = gw_bake_options_default();
+	options.estimate_points = 0;
+	options.effects_forbidden = 1u << GW_EFFECT_EMITTERS;
+	assert_int_equal(count_lit_with(&s, inside, options, 0.0f), 0);
+	scene_clear(&s);
+}
+
 /* With noise of half a spacing both sides of a wall a tenth of that thick lie in each other. At the
  * foot of a wall its outside outvoted the points of the floor, all of which look into the room. */
 static void noise_changes_no_sides(void **state)
@@ -652,6 +672,7 @@ int main(void)
 		cmocka_unit_test(white_rooms_keep_their_light),
 		cmocka_unit_test(walls_with_two_sides_shut_out),
 		cmocka_unit_test(so_do_walls_thinner_than_cells),
+		cmocka_unit_test(so_do_those_that_only_show_their_glow),
 		cmocka_unit_test(noise_changes_no_sides),
 		cmocka_unit_test(cells_in_walls_belong_to_one_side),
 		cmocka_unit_test(glowing_rooms_stay_light),
