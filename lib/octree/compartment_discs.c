@@ -60,21 +60,33 @@ static bool passes(const disc *d, const float middle[3], float half)
 	return true;
 }
 
+static bool make_room(gw_walls *w)
+{
+	size_t room = w->room + w->room / 2 + 64;
+	uint32_t *child =
+		room < UINT32_MAX / 16 ? gw_resize_array(w->c->child, 8 * room, sizeof *child) : NULL;
+	if (child == NULL)
+		return false;
+	w->c->child = child;
+	uint8_t *neck = w->necks ? gw_resize_array(w->c->node_neck, room, 1) : NULL;
+	if (w->necks && neck == NULL)
+		return false;
+	if (w->necks)
+		w->c->node_neck = neck;
+	w->room = room;
+	return true;
+}
+
 /* A tile without anything below a node. */
 static bool divide(gw_walls *w, uint32_t node)
 {
 	gw_compartments *c = w->c;
 	size_t tiles = c->first / 8;
-	if (tiles == w->room) {
-		size_t room = w->room + w->room / 2 + 64;
-		uint32_t *child =
-			room < UINT32_MAX / 16 ? gw_resize_array(c->child, 8 * room, sizeof *child) : NULL;
-		w->failed = child == NULL;
-		if (w->failed)
-			return false;
-		c->child = child;
-		w->room = room;
-	}
+	w->failed = tiles == w->room && !make_room(w);
+	if (w->failed)
+		return false;
+	if (w->necks)
+		c->node_neck[tiles] = 0;
 	memset(c->child + c->first, 0, 8 * sizeof *c->child);
 	c->first += 8;
 	c->child[node] = (uint32_t)tiles + 1;
@@ -84,8 +96,8 @@ static bool divide(gw_walls *w, uint32_t node)
 static void wall_below(gw_walls *w, const disc *d, uint32_t level, uint32_t tile,
 					   const float corner[3]);
 
-/* A node that a disc passes: a wall where it is no wider than the disc's cells, else some of what
- * is below it. */
+/* A node that a disc passes: a wall, or a neck, where it is no wider than the disc's cells, else
+ * some of what is below it. */
 static void wall_at(gw_walls *w, const disc *d, uint32_t level, uint32_t node,
 					const float corner[3])
 {
@@ -93,7 +105,10 @@ static void wall_at(gw_walls *w, const disc *d, uint32_t level, uint32_t node,
 	if (to == GW_WALL)
 		return;
 	if (to == 0 && level >= d->level) {
-		w->c->child[node] = GW_WALL;
+		if (w->necks)
+			w->c->node_neck[node / 8] |= (uint8_t)(1u << node % 8);
+		else
+			w->c->child[node] = GW_WALL;
 		return;
 	}
 	if (to == 0 && !divide(w, node))
@@ -116,6 +131,8 @@ static void wall_below(gw_walls *w, const disc *d, uint32_t level, uint32_t tile
 			continue;
 		if (level + 1 < w->c->depth)
 			wall_at(w, d, level + 1, 8 * tile + octant, low);
+		else if (w->necks)
+			w->c->leaf_neck[tile] |= (uint8_t)(1u << octant);
 		else
 			w->c->leaves[tile] |= (uint8_t)(1u << octant);
 	}
@@ -143,22 +160,29 @@ void gw_wall_cell(gw_walls *w, uint32_t level, const int32_t at[3], const float 
 	wall_below(w, &plane, level, tile, corner);
 }
 
+/* Discs that reach as far are of surface that is much sparser than leaves are wide: even at the rim
+ * of a window, where half of the points around are missing, one in 3,000 random ones does. */
+#define CUT_RADIUS 3.0f
+
 static void wall_all(gw_walls *w, const gw_view *view, const gw_surfels *surfels)
 {
 	const float *place = view[0].bytes, *normal = view[1].bytes, *size = view[2].bytes,
 				*clip = view[3].bytes;
 	const float origin[3] = { 0.0f, 0.0f, 0.0f };
 	const float *clear = surfels->transparency;
+	const float least = w->necks ? CUT_RADIUS : GW_SPARSE_RADIUS;
 	for (size_t i = 0; i < surfels->count && !w->failed; i++) {
-		if (size[4 * i] < GW_SPARSE_RADIUS || (clear && clear[i] > 0.0f))
+		if (size[4 * i] < least || (clear && clear[i] > 0.0f))
 			continue;
 		disc d = disc_of(place + 4 * i, normal + 4 * i, size + 4 * i, clip + 4 * i, w->c->depth);
+		if (w->necks)
+			memset(d.cut, 0, sizeof d.cut);
 		wall_below(w, &d, 0, 0, origin);
 	}
 }
 
-gw_status gw_compartments_wall_discs(gw_gpu *gpu, const gw_octree *octree,
-									 const gw_surfels *surfels, gw_compartments *c, gw_error *error)
+static gw_status wall_with(gw_gpu *gpu, const gw_octree *octree, const gw_surfels *surfels,
+						   gw_walls *w, gw_error *error)
 {
 	const gw_buffer *const buffer[4] = { &octree->surfel_position, &octree->surfel_normal,
 										 &octree->surfel_disc, &octree->surfel_clip };
@@ -166,12 +190,25 @@ gw_status gw_compartments_wall_discs(gw_gpu *gpu, const gw_octree *octree,
 	gw_status status = GW_OK;
 	for (int i = 0; i < 4 && status == GW_OK; i++)
 		status = gw_view_open(gpu, buffer[i], 16 * (uint64_t)surfels->count, &view[i], error);
-	gw_walls w = { c, c->first / 8, false };
 	if (status == GW_OK)
-		wall_all(&w, view, surfels);
+		wall_all(w, view, surfels);
 	for (int i = 0; i < 4; i++)
 		gw_view_close(&view[i]);
-	return w.failed ? gw_fail(error, GW_ERROR_MEMORY, "no memory for walls of %zu surfels",
-							  surfels->count)
-					: status;
+	return w->failed ? gw_fail(error, GW_ERROR_MEMORY, "no memory for walls of %zu surfels",
+							   surfels->count)
+					 : status;
+}
+
+gw_status gw_compartments_wall_discs(gw_gpu *gpu, const gw_octree *octree,
+									 const gw_surfels *surfels, gw_compartments *c, gw_error *error)
+{
+	gw_walls w = { .c = c, .room = c->first / 8 };
+	return wall_with(gpu, octree, surfels, &w, error);
+}
+
+gw_status gw_compartments_mark_discs(gw_gpu *gpu, const gw_octree *octree,
+									 const gw_surfels *surfels, gw_compartments *c, gw_error *error)
+{
+	gw_walls w = { .c = c, .room = c->first / 8, .necks = true };
+	return wall_with(gpu, octree, surfels, &w, error);
 }

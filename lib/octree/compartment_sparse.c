@@ -249,7 +249,7 @@ static void find_voids(sparse *s, const cell *parent, uint32_t tile)
 
 static bool close_all(sparse *s, const gw_surfels *surfels)
 {
-	gw_walls w = { s->c, s->c->first / 8, false };
+	gw_walls w = { .c = s->c, .room = s->c->first / 8 };
 	const cell root = { 0 };
 	s->count = gw_allocate_zeros(s->c->first, sizeof *s->count);
 	s->leaves = gw_allocate_zeros(s->c->first, sizeof *s->leaves);

@@ -5,14 +5,21 @@
 
 #include <stdlib.h>
 
-gw_compartment_cell gw_compartment_child(const gw_compartments *c, uint32_t level,
-										 gw_compartment_cell of, uint32_t octant)
+gw_compartment_cell gw_compartment_child(const gw_compartments *c, gw_compartment_cell of,
+										 uint32_t octant)
 {
-	uint32_t number = 8 * (of.tile - 1) + octant;
-	if (level + 1 < c->depth)
-		return (gw_compartment_cell){ number, c->child[number] };
-	return (gw_compartment_cell){ c->first + number,
-								  ((uint32_t)c->leaves[of.tile - 1] >> octant & 1u) ? GW_WALL : 0 };
+	uint32_t number = 8 * (of.tile - 1) + octant, level = of.level + 1;
+	if (level < c->depth)
+		return (gw_compartment_cell){ number, c->child[number], level };
+	bool wall = (uint32_t)c->leaves[of.tile - 1] >> octant & 1u;
+	return (gw_compartment_cell){ c->first + number, wall ? GW_WALL : 0, level };
+}
+
+void gw_compartments_drop_necks(gw_compartments *c)
+{
+	free(c->node_neck);
+	free(c->leaf_neck);
+	c->node_neck = c->leaf_neck = NULL;
 }
 
 void gw_compartments_drop_cells(gw_compartments *c)
@@ -20,6 +27,7 @@ void gw_compartments_drop_cells(gw_compartments *c)
 	free(c->child);
 	free(c->leaves);
 	free(c->label);
+	gw_compartments_drop_necks(c);
 	c->child = c->label = NULL;
 	c->leaves = NULL;
 }
@@ -62,7 +70,7 @@ bool gw_compartment_lies_in_wall(const gw_compartments *c, const int32_t at[3])
 
 uint32_t gw_compartment_of_cell(const gw_compartments *c, const int32_t at[3])
 {
-	gw_compartment_cell of = { 0, 1 };
+	gw_compartment_cell of = { 0, 1, 0 };
 	for (int k = 0; k < 3; k++)
 		if (at[k] < 0 || at[k] >= 1 << c->depth)
 			return c->label[c->cells];
@@ -70,7 +78,7 @@ uint32_t gw_compartment_of_cell(const gw_compartments *c, const int32_t at[3])
 		uint32_t shift = c->depth - 1 - level;
 		uint32_t octant = (uint32_t)(at[0] >> shift & 1) | (uint32_t)(at[1] >> shift & 1) << 1 |
 						  (uint32_t)(at[2] >> shift & 1) << 2;
-		of = gw_compartment_child(c, level, of, octant);
+		of = gw_compartment_child(c, of, octant);
 		if (of.tile == 0)
 			return c->label[of.number];
 		if (of.tile == GW_WALL)

@@ -6,7 +6,8 @@
  * test of a single ray tells a gap between discs from a window; but all empty cells that touch each
  * other by their faces do. What starts in one compartment and ends in another one has gone through
  * rock, whatever the ray said. A hole wider than about two cells joins what lies on both sides of
- * it, so that windows stay open, and a scan with holes all over is one compartment.
+ * it, so that windows stay open, and a scan with holes all over is one compartment. A narrower one
+ * joins no rock, all of whose surface shows its back, with what other surface faces.
  *
  * Everything here is found on the host from whole numbers, or from each surfel by itself, so that
  * it is the same on every device and for any number of threads.

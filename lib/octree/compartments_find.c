@@ -11,103 +11,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-static uint32_t find(uint32_t *label, uint32_t i)
-{
-	while (label[i] != i) {
-		label[i] = label[label[i]];
-		i = label[i];
-	}
-	return i;
-}
-
-static void unite(uint32_t *label, uint32_t i, uint32_t j)
-{
-	i = find(label, i);
-	j = find(label, j);
-	if (i < j)
-		label[j] = i;
-	else
-		label[i] = j;
-}
-
-/* Two cells that touch, the second one further along an axis; level: of the smaller one. */
-static void join_faces(gw_compartments *c, uint32_t level, gw_compartment_cell low,
-					   gw_compartment_cell high, uint32_t axis)
-{
-	if (low.tile == GW_WALL || high.tile == GW_WALL)
-		return;
-	if (low.tile == 0 && high.tile == 0) {
-		unite(c->label, low.number, high.number);
-		return;
-	}
-	for (uint32_t octant = 0; octant < 8; octant++) {
-		if (octant >> axis & 1u)
-			continue;
-		join_faces(c, level + 1,
-				   low.tile ? gw_compartment_child(c, level, low, octant | 1u << axis) : low,
-				   high.tile ? gw_compartment_child(c, level, high, octant) : high, axis);
-	}
-}
-
-/* All faces within a cell. */
-static void join_within(gw_compartments *c, uint32_t level, gw_compartment_cell of)
-{
-	gw_compartment_cell child[8];
-	for (uint32_t octant = 0; octant < 8; octant++)
-		child[octant] = gw_compartment_child(c, level, of, octant);
-	for (uint32_t octant = 0; octant < 8; octant++) {
-		if (child[octant].tile != 0 && child[octant].tile != GW_WALL)
-			join_within(c, level + 1, child[octant]);
-		for (uint32_t axis = 0; axis < 3; axis++)
-			if ((octant >> axis & 1u) == 0)
-				join_faces(c, level + 1, child[octant], child[octant | 1u << axis], axis);
-	}
-}
-
-/* Empty cells at a side of the cube touch what lies around it. */
-static void join_outside(gw_compartments *c, uint32_t level, gw_compartment_cell of, uint32_t axis,
-						 uint32_t side)
-{
-	if (of.tile == GW_WALL)
-		return;
-	if (of.tile == 0) {
-		unite(c->label, of.number, c->cells);
-		return;
-	}
-	for (uint32_t octant = 0; octant < 8; octant++)
-		if ((octant >> axis & 1u) == side)
-			join_outside(c, level + 1, gw_compartment_child(c, level, of, octant), axis, side);
-}
-
-static const gw_compartment_cell root = { GW_COMPARTMENT_UNKNOWN, 1 };
-
-static gw_status join_all(const gw_octree *octree, gw_compartments *c, gw_error *error)
-{
-	uint64_t cells = c->first + 8 * (uint64_t)octree->leaf_tile_count;
-	if (cells < GW_COMPARTMENT_UNKNOWN)
-		c->label = gw_allocate_array(cells + 1, sizeof *c->label);
-	if (c->label == NULL)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %llu cells",
-					   (unsigned long long)cells);
-	c->cells = (uint32_t)cells;
-	for (uint32_t i = 0; i <= c->cells; i++)
-		c->label[i] = i;
-	join_within(c, 0, root);
-	for (uint32_t axis = 0; axis < 3; axis++)
-		for (uint32_t side = 0; side < 2; side++)
-			join_outside(c, 0, root, axis, side);
-	for (uint32_t i = 0; i <= c->cells; i++)
-		c->label[i] = find(c->label, i);
-	return GW_OK;
-}
+static const gw_compartment_cell root = { GW_COMPARTMENT_UNKNOWN, 1, 0 };
 
 /* Is a cell empty, or one within it, that is not joined to what lies around the scene? */
-static bool is_any_apart(const gw_compartments *c, uint32_t level, gw_compartment_cell of)
+static bool is_any_apart(const gw_compartments *c, gw_compartment_cell of)
 {
 	if (of.tile == 0)
 		return c->label[of.number] != c->label[c->cells];
 	for (uint32_t octant = 0; octant < 8 && of.tile != GW_WALL; octant++)
-		if (is_any_apart(c, level + 1, gw_compartment_child(c, level, of, octant)))
+		if (is_any_apart(c, gw_compartment_child(c, of, octant)))
 			return true;
 	return false;
 }
@@ -264,8 +176,10 @@ static gw_status find_in_own_cells(gw_gpu *gpu, const gw_surfels *surfels, uint3
 	if (status == GW_OK)
 		status = gw_compartments_close_voids_again(gpu, octree, c, error);
 	if (status == GW_OK)
-		status = join_all(octree, c, error);
-	if (status == GW_OK && is_any_apart(c, 0, root))
+		status = gw_compartments_find_necks(gpu, octree, surfels, c, error);
+	if (status == GW_OK)
+		status = gw_compartments_join(gpu, octree, surfels->count, c, error);
+	if (status == GW_OK && is_any_apart(c, root))
 		status = gw_compartments_find_sides(gpu, octree, surfels->count, threads, c, error);
 	if (status == GW_OK && c->sides != NULL)
 		status = number_them(c, surfels->count, error);

@@ -15,6 +15,7 @@
 typedef struct gw_compartment_cell {
 	uint32_t number;
 	uint32_t tile; /* of its children, plus one; 0: it is empty; or GW_WALL */
+	uint32_t level;
 } gw_compartment_cell;
 
 /* Cells are the nodes of all tiles, in their order, then the leaves of all leaf tiles. */
@@ -25,6 +26,8 @@ struct gw_compartments {
 	uint32_t *child; /* first: pointer (plus one) to the tile of a node's children, 0 where it holds
 						nothing */
 	uint8_t *leaves; /* a leaf tile: which of its leaves there are */
+	uint8_t *node_neck; /* a tile: which of its nodes are part of a neck, where they are empty */
+	uint8_t *leaf_neck; /* a leaf tile: likewise its leaves */
 	uint32_t *label; /* cells + 1: a cell of the compartment, the same for all of it; in the end its
 						number */
 	uint32_t count;  /* of numbers */
@@ -38,9 +41,12 @@ const gw_octree *gw_compartments_octree(const gw_octree *octree);
 /* A place in grid coordinates of an octree in those of that one. */
 void gw_compartments_place(const gw_octree *octree, const float g[3], float place[3]);
 
-/* A child of a cell of a level. */
-gw_compartment_cell gw_compartment_child(const gw_compartments *c, uint32_t level,
-										 gw_compartment_cell of, uint32_t octant);
+/* A child of a cell. */
+gw_compartment_cell gw_compartment_child(const gw_compartments *c, gw_compartment_cell of,
+										 uint32_t octant);
+
+/* Frees what is not needed once cells are joined. */
+void gw_compartments_drop_necks(gw_compartments *c);
 
 /* Does a plane, of a place and a normal in leaf cells, pass a cell that is so many leaves wide? */
 static inline bool gw_plane_passes(const float *place, const float *normal, const int32_t at[3],
@@ -71,6 +77,7 @@ uint32_t gw_compartment_leaf_tile(const gw_compartments *c, const int32_t cell[3
 typedef struct gw_walls {
 	gw_compartments *c;
 	size_t room; /* tiles for which there is memory */
+	bool necks;  /* makes necks, not walls */
 	bool failed;
 } gw_walls;
 
@@ -101,6 +108,20 @@ gw_status gw_compartments_close_voids(gw_gpu *gpu, const gw_octree *octree, gw_c
 /* The same of leaves, once walls of wider cells are made. */
 gw_status gw_compartments_close_voids_again(gw_gpu *gpu, const gw_octree *octree,
 											gw_compartments *c, gw_error *error);
+
+/* Makes necks of what discs of sparse surface would cover that are cut; c->first grows. */
+gw_status gw_compartments_mark_discs(gw_gpu *gpu, const gw_octree *octree,
+									 const gw_surfels *surfels, gw_compartments *c,
+									 gw_error *error);
+
+/* Fills in c->node_neck and c->leaf_neck; c->first grows. */
+gw_status gw_compartments_find_necks(gw_gpu *gpu, const gw_octree *octree,
+									 const gw_surfels *surfels, gw_compartments *c,
+									 gw_error *error);
+
+/* Fills in c->label: the same number for all cells that are joined. */
+gw_status gw_compartments_join(gw_gpu *gpu, const gw_octree *octree, size_t surfels,
+							   gw_compartments *c, gw_error *error);
 
 /* Fills in c->sides, or leaves it empty. */
 gw_status gw_compartments_find_sides(gw_gpu *gpu, const gw_octree *octree, size_t surfels,

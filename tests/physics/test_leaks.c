@@ -6,6 +6,9 @@
  * so what is expected is zero, without a tolerance. And windows stay open: what is shut out by
  * mistake is darker than any leak is bright.
  */
+#include "device/gpu.h"
+#include "octree/compartments.h"
+#include "octree/octree.h"
 #include "scenes.h"
 
 #include <math.h>
@@ -559,6 +562,85 @@ static void and_walls_between_rooms(void **state)
 	}
 }
 
+/* A room of 10,000 random points into which rock stands: a pillar, hollow below, of one of whose
+ * sides the points are so many times as sparse. */
+static void add_room_with_pillar(scene *s, double wide, double sparse)
+{
+	const double spacing = sqrt(6.0 / 10000.0), high = 0.6;
+	scene room = { .state = s->state };
+	add_random_box(&room, (box){ .count = 10000, .width = 1.0, .facing = 1 });
+	s->state = room.state;
+	for (size_t i = 0; i < room.count; i++) {
+		const double *p = room.position + 3 * i;
+		const double normal[3] = { (double)room.normal[3 * i], (double)room.normal[3 * i + 1],
+								   (double)room.normal[3 * i + 2] };
+		if (p[2] > -0.5 + 1e-9 || fmax(fabs(p[0]), fabs(p[1])) >= 0.5 * wide)
+			scene_add(s, p, normal, 0.5f);
+	}
+	scene_clear(&room);
+	for (int side = 0; side < 5; side++) {
+		double area = wide * (side < 4 ? high : wide) / (spacing * spacing);
+		size_t count = (size_t)(side == 0 ? area / sparse : area);
+		for (size_t i = 0; i < count; i++) {
+			double u = wide * (scene_random(s) - 0.5), v = scene_random(s);
+			double place[3] = { u, wide * (v - 0.5), high - 0.5 }, normal[3] = { 0.0, 0.0, 1.0 };
+			if (side < 4) {
+				normal[side / 2] = side % 2 ? 1.0 : -1.0;
+				place[side / 2] = 0.5 * wide * normal[side / 2];
+				place[1 - side / 2] = u;
+				place[2] = high * v - 0.5;
+				normal[2] = 0.0;
+			}
+			scene_add(s, place, normal, 0.5f);
+		}
+	}
+}
+
+/* Are a place in a room and what lies around it kept apart? */
+static bool is_shut(const scene *s, const double place[3])
+{
+	gw_error error;
+	gw_gpu *gpu = NULL;
+	gw_surfels surfels = { 0 };
+	gw_octree octree = { 0 };
+	gw_points points = scene_points(s);
+	const gw_surfels_options options = { .threads = 2, .normals = GW_NORMALS_GIVEN };
+	assert_int_equal(gw_gpu_create(&(gw_gpu_options){ 0 }, &gpu, &error), GW_OK);
+	assert_int_equal(gw_surfels_make(&points, &options, &surfels, &error), GW_OK);
+	assert_int_equal(gw_octree_build(gpu, &surfels, GW_DEPTH_AUTO, &octree, &error), GW_OK);
+	assert_int_equal(gw_compartments_find(gpu, &surfels, 2, &octree, &error), GW_OK);
+	float g[3];
+	for (int k = 0; k < 3; k++)
+		g[k] = (float)(place[k] - surfels.origin[k] - (double)octree.cube_minimum[k]) /
+			   octree.leaf_size;
+	bool shut =
+		gw_compartments_several(&octree) &&
+		gw_compartments_apart(gw_compartment_at(&octree, g), gw_compartment_outside(&octree));
+	gw_octree_destroy(gpu, &octree);
+	gw_surfels_clear(&surfels);
+	gw_gpu_destroy(&gpu);
+	return shut;
+}
+
+/* The side of a stalactite has a single point where its front has hundreds. A hole as wide as its
+ * cells are joined the room and the pillar's inside, and so what lies around the room. */
+static void holes_that_points_missed_are_shut(void **state)
+{
+	(void)state;
+	const struct {
+		uint64_t seed;
+		double sparse;
+	} rows[] = { { 5, 10.0 }, { 5, 20.0 }, { 8, 20.0 }, { 5, 40.0 }, { 6, 40.0 }, { 8, 40.0 } };
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		scene s = { .state = rows[i].seed * 1000003u };
+		add_room_with_pillar(&s, 0.12, rows[i].sparse);
+		bool shut = is_shut(&s, (const double[3]){ 0.4, 0.4, 0.3 });
+		print_message("a side %.0f times as sparse: %s\n", rows[i].sparse, shut ? "shut" : "open");
+		scene_clear(&s);
+		assert_true(shut);
+	}
+}
+
 static void expect_open(box b, double spacings)
 {
 	scene s = { 0 };
@@ -677,6 +759,7 @@ int main(void)
 		cmocka_unit_test(cells_in_walls_belong_to_one_side),
 		cmocka_unit_test(glowing_rooms_stay_light),
 		cmocka_unit_test(and_walls_between_rooms),
+		cmocka_unit_test(holes_that_points_missed_are_shut),
 		cmocka_unit_test(windows_stay_open),
 		cmocka_unit_test(holes_are_open_to_their_rims),
 	};
