@@ -4,8 +4,8 @@
  *
  * Leaves are made wherever a region of influence reaches, up to a cell off the surface: in a gap of
  * three spacings between two sheets there would be nothing but walls, and light that gets out of it
- * would count as light that slipped through rock. In the surface itself these leaves are what
- * closes it between random points; there the planes of their points pass them.
+ * would count as light that slipped through rock. Before a surface is space. In the surface itself
+ * these leaves close what random points leave open, and behind it they make a thin sheet thicker.
  */
 #include "octree/compartments_steps.h"
 
@@ -15,18 +15,20 @@ typedef struct near_leaves {
 	gw_view tile, cell, first, fragment, place, normal;
 } near_leaves;
 
-/* Does the plane of one of the surfels that count in a leaf pass it? */
-static bool is_passed(const near_leaves *n, uint32_t leaf)
+/* Does a leaf lie before the planes of all surfels that count in it? */
+static bool is_before(const near_leaves *n, uint32_t leaf)
 {
 	const int32_t *cell = (const int32_t *)n->cell.bytes + 4 * (size_t)leaf;
 	const uint32_t *first = n->first.bytes, *fragment = n->fragment.bytes;
 	for (uint32_t f = first[leaf]; f < first[leaf + 1]; f++) {
 		size_t surfel = 4 * (size_t)(fragment[f] & GW_FRAGMENT_SURFEL);
-		if (gw_plane_passes((const float *)n->place.bytes + surfel,
-							(const float *)n->normal.bytes + surfel, cell, 1))
-			return true;
+		float reach,
+			off = gw_cell_before_plane((const float *)n->place.bytes + surfel,
+									   (const float *)n->normal.bytes + surfel, cell, 1, &reach);
+		if (off <= reach)
+			return false;
 	}
-	return false;
+	return true;
 }
 
 static void open_near_leaves(const near_leaves *n, uint32_t leaf_tiles, gw_compartments *c)
@@ -38,7 +40,7 @@ static void open_near_leaves(const near_leaves *n, uint32_t leaf_tiles, gw_compa
 			if ((bits >> octant & 1u) == 0)
 				continue;
 			bool has_facet = ((bits >> 8 | bits >> 16) >> octant & 1u) != 0;
-			if (!has_facet && !is_passed(n, leaf))
+			if (!has_facet && is_before(n, leaf))
 				c->leaves[t] &= (uint8_t) ~(1u << octant);
 			leaf++;
 		}

@@ -212,7 +212,9 @@ static void add_closing(sparse *s, const cell *of, uint32_t surfel)
 static bool passes(const sparse *s, uint32_t surfel, const cell *of)
 {
 	size_t at = 4 * (size_t)surfel;
-	return gw_plane_passes(s->place + at, s->normal + at, of->at, 1u << (s->c->depth - of->level));
+	float reach, off = gw_cell_before_plane(s->place + at, s->normal + at, of->at,
+											1u << (s->c->depth - of->level), &reach);
+	return fabsf(off) <= reach;
 }
 
 /* A sparse cell's surface fills it, and so it does voids near it. */

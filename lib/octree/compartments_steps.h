@@ -48,14 +48,16 @@ gw_compartment_cell gw_compartment_child(const gw_compartments *c, gw_compartmen
 /* Frees what is not needed once cells are joined. */
 void gw_compartments_drop_necks(gw_compartments *c);
 
-/* Does a plane, of a place and a normal in leaf cells, pass a cell that is so many leaves wide? */
-static inline bool gw_plane_passes(const float *place, const float *normal, const int32_t at[3],
-								   uint32_t wide)
+/* How far the middle of a cell, so many leaves wide, lies before a plane of a place and a normal in
+ * leaf cells; reach receives from where on all of the cell does. */
+static inline float gw_cell_before_plane(const float *place, const float *normal,
+										 const int32_t at[3], uint32_t wide, float *reach)
 {
 	float half = 0.5f * (float)wide, off = 0.0f;
 	for (int k = 0; k < 3; k++)
 		off += normal[k] * ((2.0f * (float)at[k] + 1.0f) * half - place[k]);
-	return fabsf(off) <= half * (fabsf(normal[0]) + fabsf(normal[1]) + fabsf(normal[2]));
+	*reach = half * (fabsf(normal[0]) + fabsf(normal[1]) + fabsf(normal[2]));
+	return off;
 }
 
 /* Frees what is not needed where there is but one compartment. */
@@ -97,7 +99,7 @@ gw_status gw_compartments_wall_discs(gw_gpu *gpu, const gw_octree *octree,
 									 const gw_surfels *surfels, gw_compartments *c,
 									 gw_error *error);
 
-/* Takes out of c->leaves those that hold neither a facet nor the plane of any of their points. */
+/* Takes out of c->leaves those without a facet that lie before the planes of all their points. */
 gw_status gw_compartments_open_near(gw_gpu *gpu, const gw_octree *octree, const gw_surfels *surfels,
 									gw_compartments *c, gw_error *error);
 
