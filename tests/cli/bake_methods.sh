@@ -15,6 +15,8 @@ for method in lpv probes; do
 	bake --method $method -o again.ply --threads 3
 	bake --method $method -o kept.ply --light "$lamp" --transport $method.transport
 	bake --method $method -o lamp.ply --light "$lamp"
+	bake --method $method -o stated.ply --estimate-points 20
+	[ "$(body $method.ply)" = "$(body stated.ply)" ] || echo "$method: other light with an estimate"
 	[ "$(body $method.ply)" = "$(body again.ply)" ] && echo "$method: the same light"
 	[ "$(body lamp.ply)" = "$(body kept.ply)" ] && echo "$method: the same lamp by a transport"
 	[ "$(body $method.ply)" != "$(body rays.ply)" ] && echo "$method: other light than by rays"

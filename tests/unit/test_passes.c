@@ -651,6 +651,8 @@ static gw_bake_result *bake_by(gw_pass_choice choice)
 	gw_light light[LAMPS];
 	gw_bake_options options = gw_bake_options_default();
 	make_lamps(light);
+	options.rays = options.light_samples = 16;
+	options.estimate_points = 0; /* the light is compared, not its error */
 	options.passes = choice;
 	by_kernel = 0;
 	return bake_hall(light, LAMPS, &options);
