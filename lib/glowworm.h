@@ -503,7 +503,8 @@ typedef struct gw_bounce {
 	double seconds;
 	/* By how many records that light comes, as if each brought as much: (sum of their parts)^2 over
 	 * the sum of squares. Where they stand makes `energy` wrong by a standard error of
-	 * 1/sqrt(carriers) at most. 0 in the first, whose light lamps, sky and emitters throw. */
+	 * 1/sqrt(carriers) at most. 0 where that is not known: in the first, whose light lamps, sky and
+	 * emitters throw, and on a device with memory of its own. */
 	double carriers;
 	/* E of the record that gathered most of it, in any channel, W/m^2; likewise. By rays no later
 	 * one exceeds rho times the one before: a record's light is a mean of what it sees. */

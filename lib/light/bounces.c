@@ -187,7 +187,7 @@ typedef struct progress {
 	facet_sums sums;
 	gw_hit_facets hits; /* where a CPU kernel shades: facets that are not hit can be left out */
 	bool by_hits;
-	gw_record_powers powers;
+	gw_record_powers powers; /* where records lie in the processor's memory */
 	gw_gathered_light light; /* that the last bounce gathered */
 	bool gathered;           /* records->gathered is that, and not reflected yet */
 	double energy;           /* that the last bounce reflects */
@@ -214,7 +214,8 @@ static gw_status bounce_once(progress *p, bool first, gw_error *error)
 		gw_hit_facets_shade(task->on.passes, task->on.octree, task->on.records, &p->hits,
 							task->facet_radiance);
 	GW_TRY(gather_once(task, first, p->largest, error));
-	GW_TRY(gw_record_powers_measure(&task->on, &p->powers, &p->light, error));
+	if (p->powers.power)
+		GW_TRY(gw_record_powers_measure(&task->on, &p->powers, &p->light, error));
 	if (p->by_hits)
 		return take_energy(p, error);
 	GW_TRY(gw_facets_shade(&task->on, &task->on.records->gathered, task->facet_direct, 0.0f,
@@ -242,7 +243,7 @@ static gw_status begin(progress *p, gw_bounces *bounces, gw_error *error)
 	GW_TRY(append(bounces, bounce_done(p, started), error));
 	if (task->limit > 1 && !task->no_bound)
 		GW_TRY(find_contraction(task, &bounces->contraction, error));
-	if (task->limit > 1)
+	if (task->limit > 1 && gw_gpu_shares_memory(task->on.passes->gpu))
 		GW_TRY(gw_record_powers_find(&task->on, &p->powers, error));
 	p->by_hits = task->step.hits && task->limit > 1 &&
 				 gw_passes_way(task->on.passes, GW_PASS_FACET_SHADE) == GW_WAY_CPU;
@@ -260,7 +261,8 @@ static gw_status go_on(progress *p, bool first, bool automatic, double *guessed,
 	if (!first || !task->carried || !automatic)
 		return bounce_once(p, first, error);
 	GW_TRY(begin_carried(task, &p->sums, p->largest, guessed, error));
-	GW_TRY(gw_record_powers_measure(&task->on, &p->powers, &p->light, error));
+	if (p->powers.power)
+		GW_TRY(gw_record_powers_measure(&task->on, &p->powers, &p->light, error));
 	return measure(task, &p->sums, &p->energy, &p->largest, error);
 }
 

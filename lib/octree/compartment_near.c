@@ -12,14 +12,15 @@
 #include "octree/octree_layout.h"
 
 typedef struct near_leaves {
-	gw_view tile, cell, first, fragment, place, normal;
+	gw_leaf_views leaves;
+	gw_view cell, place, normal;
 } near_leaves;
 
 /* Does a leaf lie before the planes of all surfels that count in it? */
 static bool is_before(const near_leaves *n, uint32_t leaf)
 {
 	const int32_t *cell = (const int32_t *)n->cell.bytes + 4 * (size_t)leaf;
-	const uint32_t *first = n->first.bytes, *fragment = n->fragment.bytes;
+	const uint32_t *first = n->leaves.first.bytes, *fragment = n->leaves.fragment.bytes;
 	for (uint32_t f = first[leaf]; f < first[leaf + 1]; f++) {
 		size_t surfel = 4 * (size_t)(fragment[f] & GW_FRAGMENT_SURFEL);
 		float reach,
@@ -33,7 +34,7 @@ static bool is_before(const near_leaves *n, uint32_t leaf)
 
 static void open_near_leaves(const near_leaves *n, uint32_t leaf_tiles, gw_compartments *c)
 {
-	const uint32_t *tile = n->tile.bytes;
+	const uint32_t *tile = n->leaves.tile.bytes;
 	for (uint32_t t = 0; t < leaf_tiles; t++) {
 		uint32_t leaf = tile[2 * t], bits = tile[2 * t + 1];
 		for (uint32_t octant = 0; octant < 8; octant++) {
@@ -47,31 +48,26 @@ static void open_near_leaves(const near_leaves *n, uint32_t leaf_tiles, gw_compa
 	}
 }
 
+static gw_status open_views(gw_gpu *gpu, const gw_octree *o, size_t surfels, near_leaves *n,
+							gw_error *error)
+{
+	uint64_t bytes = 16 * (uint64_t)surfels;
+	GW_TRY(gw_leaf_views_open(gpu, o, &n->leaves, error));
+	GW_TRY(gw_view_open(gpu, &o->leaf_cell, 16 * (uint64_t)o->leaf_count, &n->cell, error));
+	GW_TRY(gw_view_open(gpu, &o->surfel_position, bytes, &n->place, error));
+	return gw_view_open(gpu, &o->surfel_normal, bytes, &n->normal, error);
+}
+
 gw_status gw_compartments_open_near(gw_gpu *gpu, const gw_octree *octree, const gw_surfels *surfels,
 									gw_compartments *c, gw_error *error)
 {
 	near_leaves n = { 0 };
-	uint64_t leaves = octree->leaf_count, bytes = 16 * (uint64_t)surfels->count;
-	gw_status status = gw_view_open(gpu, &octree->leaf_tile, 8 * (uint64_t)octree->leaf_tile_count,
-									&n.tile, error);
-	if (status == GW_OK)
-		status = gw_view_open(gpu, &octree->leaf_cell, 16 * leaves, &n.cell, error);
-	if (status == GW_OK)
-		status = gw_view_open(gpu, &octree->leaf_fragment, 4 * (leaves + 1), &n.first, error);
-	if (status == GW_OK)
-		status = gw_view_open(gpu, &octree->fragment_surfel, 4 * (uint64_t)octree->fragment_count,
-							  &n.fragment, error);
-	if (status == GW_OK)
-		status = gw_view_open(gpu, &octree->surfel_position, bytes, &n.place, error);
-	if (status == GW_OK)
-		status = gw_view_open(gpu, &octree->surfel_normal, bytes, &n.normal, error);
+	gw_status status = open_views(gpu, octree, surfels->count, &n, error);
 	if (status == GW_OK)
 		open_near_leaves(&n, octree->leaf_tile_count, c);
-	gw_view_close(&n.normal);
-	gw_view_close(&n.place);
-	gw_view_close(&n.fragment);
-	gw_view_close(&n.first);
+	gw_leaf_views_close(&n.leaves);
 	gw_view_close(&n.cell);
-	gw_view_close(&n.tile);
+	gw_view_close(&n.place);
+	gw_view_close(&n.normal);
 	return status;
 }

@@ -24,7 +24,8 @@ typedef struct narrows {
 
 /* What an octree knows of its discs. */
 typedef struct views {
-	gw_view normal, size, clip, leaf_tile, leaf_fragment, fragment_surfel;
+	gw_leaf_views leaves;
+	gw_view normal, size, clip;
 } views;
 
 /* Leaves of a tile. */
@@ -96,8 +97,8 @@ static bool ends(const views *v, size_t surfel)
 
 static void find_rims(const narrows *n, uint32_t leaf_tiles, const views *v)
 {
-	const uint32_t *tile = v->leaf_tile.bytes, *first = v->leaf_fragment.bytes;
-	const uint32_t *fragment = v->fragment_surfel.bytes;
+	const uint32_t *tile = v->leaves.tile.bytes, *first = v->leaves.first.bytes;
+	const uint32_t *fragment = v->leaves.fragment.bytes;
 	for (uint32_t t = 0; t < leaf_tiles; t++) {
 		uint32_t leaf = tile[2 * t];
 		for (uint32_t octant = 0; octant < 8; octant++) {
@@ -115,12 +116,7 @@ static gw_status open_views(gw_gpu *gpu, const gw_octree *o, views *v, gw_error 
 	GW_TRY(gw_view_open(gpu, &o->surfel_normal, o->surfel_normal.bytes, &v->normal, error));
 	GW_TRY(gw_view_open(gpu, &o->surfel_disc, o->surfel_disc.bytes, &v->size, error));
 	GW_TRY(gw_view_open(gpu, &o->surfel_clip, o->surfel_clip.bytes, &v->clip, error));
-	GW_TRY(
-		gw_view_open(gpu, &o->leaf_tile, 8 * (uint64_t)o->leaf_tile_count, &v->leaf_tile, error));
-	GW_TRY(gw_view_open(gpu, &o->leaf_fragment, 4 * ((uint64_t)o->leaf_count + 1),
-						&v->leaf_fragment, error));
-	return gw_view_open(gpu, &o->fragment_surfel, 4 * (uint64_t)o->fragment_count,
-						&v->fragment_surfel, error);
+	return gw_leaf_views_open(gpu, o, &v->leaves, error);
 }
 
 static gw_status find_between(gw_gpu *gpu, const gw_octree *octree, narrows *n, gw_error *error)
@@ -136,9 +132,7 @@ static gw_status find_between(gw_gpu *gpu, const gw_octree *octree, narrows *n, 
 	gw_view_close(&v.normal);
 	gw_view_close(&v.size);
 	gw_view_close(&v.clip);
-	gw_view_close(&v.leaf_tile);
-	gw_view_close(&v.leaf_fragment);
-	gw_view_close(&v.fragment_surfel);
+	gw_leaf_views_close(&v.leaves);
 	return status;
 }
 

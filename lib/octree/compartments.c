@@ -15,6 +15,25 @@ gw_compartment_cell gw_compartment_child(const gw_compartments *c, gw_compartmen
 	return (gw_compartment_cell){ c->first + number, wall ? GW_WALL : 0, level };
 }
 
+gw_status gw_leaf_views_open(gw_gpu *gpu, const gw_octree *octree, gw_leaf_views *views,
+							 gw_error *error)
+{
+	*views = (gw_leaf_views){ 0 };
+	GW_TRY(gw_view_open(gpu, &octree->leaf_tile, 8 * (uint64_t)octree->leaf_tile_count,
+						&views->tile, error));
+	GW_TRY(gw_view_open(gpu, &octree->leaf_fragment, 4 * ((uint64_t)octree->leaf_count + 1),
+						&views->first, error));
+	return gw_view_open(gpu, &octree->fragment_surfel, 4 * (uint64_t)octree->fragment_count,
+						&views->fragment, error);
+}
+
+void gw_leaf_views_close(gw_leaf_views *views)
+{
+	gw_view_close(&views->tile);
+	gw_view_close(&views->first);
+	gw_view_close(&views->fragment);
+}
+
 void gw_compartments_drop_necks(gw_compartments *c)
 {
 	free(c->node_neck);

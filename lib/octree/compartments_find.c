@@ -65,20 +65,12 @@ static void open_leaves(const gw_surfels *surfels, const uint32_t *leaf_tile, ui
 static gw_status find_open_leaves(gw_gpu *gpu, const gw_octree *octree, const gw_surfels *surfels,
 								  gw_compartments *c, gw_error *error)
 {
-	gw_view tile = { 0 }, first = { 0 }, fragment = { 0 };
-	gw_status status =
-		gw_view_open(gpu, &octree->leaf_tile, 8 * (uint64_t)octree->leaf_tile_count, &tile, error);
+	gw_leaf_views views;
+	gw_status status = gw_leaf_views_open(gpu, octree, &views, error);
 	if (status == GW_OK)
-		status = gw_view_open(gpu, &octree->leaf_fragment, 4 * ((uint64_t)octree->leaf_count + 1),
-							  &first, error);
-	if (status == GW_OK)
-		status = gw_view_open(gpu, &octree->fragment_surfel, 4 * (uint64_t)octree->fragment_count,
-							  &fragment, error);
-	if (status == GW_OK)
-		open_leaves(surfels, tile.bytes, octree->leaf_tile_count, first.bytes, fragment.bytes, c);
-	gw_view_close(&fragment);
-	gw_view_close(&first);
-	gw_view_close(&tile);
+		open_leaves(surfels, views.tile.bytes, octree->leaf_tile_count, views.first.bytes,
+					views.fragment.bytes, c);
+	gw_leaf_views_close(&views);
 	return status;
 }
 

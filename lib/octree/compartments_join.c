@@ -26,7 +26,7 @@
 #define STEPS 6
 
 /* Of an empty cell. */
-enum reached { WIDE, NARROW, JUST_REACHED, REACHED };
+enum reached { WIDE, NARROW, REACHED, QUEUED };
 
 /* Two cells that touch. */
 typedef struct pair {
@@ -151,36 +151,71 @@ static void walk(joining *j)
 			walk_outside(j, root, axis, side);
 }
 
-/* One round more; true: some were reached. */
-static bool reach(joining *j)
+/* The cells that pairs say touch each cell: those of cell i are cell[first[i]] to cell[first[i + 1]
+ * - 1]. */
+typedef struct touching {
+	uint32_t *first, *cell;
+	uint32_t *queue; /* cells from which others are to be reached */
+} touching;
+
+static bool list_touching(const joining *j, touching *t)
 {
-	bool any = false;
-	for (size_t i = 0; i < j->pairs; i++) {
-		for (int k = 0; k < 2; k++) {
-			uint32_t from = j->pair[i].of[k], to = j->pair[i].of[1 - k];
-			if (j->reached[to] != NARROW ||
-				(j->reached[from] != WIDE && j->reached[from] != REACHED))
+	size_t cells = (size_t)j->c->cells + 1, entries = 2 * j->pairs;
+	*t = (touching){ 0 };
+	if (entries >= UINT32_MAX)
+		return false;
+	t->first = gw_allocate_zeros(cells + 1, sizeof *t->first);
+	t->cell = gw_allocate_array(entries, sizeof *t->cell);
+	t->queue = gw_allocate_array(entries, sizeof *t->queue);
+	if (!t->first || !t->cell || !t->queue)
+		return false;
+	for (size_t i = 0; i < entries; i++)
+		t->first[j->pair[i / 2].of[i % 2]]++;
+	for (size_t i = 1; i <= cells; i++)
+		t->first[i] += t->first[i - 1];
+	for (size_t i = entries; i-- > 0;)
+		t->cell[--t->first[j->pair[i / 2].of[i % 2]]] = j->pair[i / 2].of[1 - i % 2];
+	return true;
+}
+
+/* From cell to cell, the nearest first, so that compartments meet half way. */
+static void reach(joining *j, const touching *t)
+{
+	size_t done = 0, queued = 0;
+	for (size_t i = 0; i < 2 * j->pairs; i++) {
+		uint32_t cell = j->pair[i / 2].of[i % 2];
+		if (j->reached[cell] == NARROW || j->reached[cell] == QUEUED)
+			continue;
+		j->reached[cell] = QUEUED;
+		t->queue[queued++] = cell;
+	}
+	while (done < queued) {
+		uint32_t from = t->queue[done++];
+		for (uint32_t k = t->first[from]; k < t->first[from + 1]; k++) {
+			uint32_t to = t->cell[k];
+			if (j->reached[to] != NARROW)
 				continue;
-			j->reached[to] = JUST_REACHED;
+			j->reached[to] = QUEUED;
 			unite(j->c->label, from, to);
-			any = true;
+			t->queue[queued++] = to;
 		}
 	}
-	for (size_t i = 0; i < j->pairs; i++)
-		for (int k = 0; k < 2; k++)
-			if (j->reached[j->pair[i].of[k]] == JUST_REACHED)
-				j->reached[j->pair[i].of[k]] = REACHED;
-	return any;
 }
 
 /* Cells that are never reached join each other. */
-static void join_narrow(joining *j)
+static bool join_narrow(joining *j)
 {
-	while (reach(j)) {
-	}
+	touching t;
+	bool fits = list_touching(j, &t);
+	if (fits)
+		reach(j, &t);
+	free(t.first);
+	free(t.cell);
+	free(t.queue);
 	for (size_t i = 0; i < j->pairs; i++)
 		if (j->reached[j->pair[i].of[0]] == NARROW && j->reached[j->pair[i].of[1]] == NARROW)
 			unite(j->c->label, j->pair[i].of[0], j->pair[i].of[1]);
+	return fits;
 }
 
 static void flatten(gw_compartments *c)
@@ -277,9 +312,8 @@ static gw_status join_all(gw_gpu *gpu, const gw_octree *octree, size_t surfels, 
 		j->first = i == 0;
 		walk(j);
 	}
-	if (j->failed)
+	if (j->failed || !join_narrow(j))
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu necks", j->pairs);
-	join_narrow(j);
 	flatten(j->c);
 	return has_necks(j) ? look_at_necks(gpu, octree, surfels, j, error) : GW_OK;
 }
@@ -291,8 +325,8 @@ static void begin(joining *j)
 	for (uint32_t i = 0; i <= c->cells; i++)
 		c->label[i] = i;
 	for (uint32_t i = 0; i < c->cells; i++) {
-		const uint8_t *neck = i < c->first ? c->node_neck : c->leaf_neck - c->first / 8;
-		j->reached[i] = neck[i / 8] >> i % 8 & 1 ? NARROW : WIDE;
+		uint8_t necks = i < c->first ? c->node_neck[i / 8] : c->leaf_neck[(i - c->first) / 8];
+		j->reached[i] = necks >> i % 8 & 1 ? NARROW : WIDE;
 	}
 	j->reached[c->cells] = WIDE;
 }
