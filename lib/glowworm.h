@@ -361,7 +361,8 @@ typedef struct gw_bake_options {
 	uint32_t bounces;       /* how often light is reflected; 0 leaves only emission, 1 is direct
 							   light; GW_BOUNCES_AUTO stops when the bound on what the bounces left
 							   out would add is under tolerance */
-	float tolerance;        /* of GW_BOUNCES_AUTO, relative to the light found so far, in (0, 1) */
+	float tolerance;        /* of GW_BOUNCES_AUTO, relative to the light found so far, in (0, 1);
+							   less where a quarter of max_error is */
 	uint32_t rays;          /* gather rays a record (GW_METHOD_RAYS, GW_METHOD_PROBES), 1..4096 */
 	uint32_t light_samples; /* samples of the emitters a record, 1..4096 */
 	uint32_t cones;         /* gather cones a record (GW_METHOD_CONES), 1..256 */
@@ -516,8 +517,9 @@ typedef struct gw_bounce {
 typedef struct gw_error_estimate {
 	uint32_t points;     /* solved again; 0 when no estimate was made, or where lamps alone shine
 							and only their shadows are looked at */
-	double relative_rms; /* root mean square error: of the seven below that are parts of it, and
-							not less than halves says */
+	double relative_rms; /* root mean square error: of the seven below that are parts of it, of the
+							light that GW_BOUNCES_AUTO leaves out (remaining), and not less than
+							halves says */
 	double gathered;     /* of light that was gathered, by the points that were solved again */
 	double spread;       /* standard error of that, and a tenth of it that is not seen: 2.3 %
 							+- 0.3 % */

@@ -551,7 +551,8 @@ const option options[] = {
 			  "goes on until the rest is below the tolerance" },
 	{ "tolerance", 0, "X", OPTION_REAL, FOR(BAKE | PLAN | TRADEOFF | ALBEDO | PROBES),
 	  .scene = true, AT(bake.tolerance), RANGE(0.0, 1.0), .open = true, .group = "Light",
-	  .help = "share of the light that --bounces auto may leave out" },
+	  .help = "share of the light that --bounces auto may leave out; at most a quarter of "
+			  "--max-error" },
 	{ "rays", 0, "N", OPTION_COUNT, FOR(BAKE | PLAN | ALBEDO | PROBES), .scene = true,
 	  AT(bake.rays), RANGE(1.0, 4096.0), .group = "Light",
 	  .help = "gather rays a record, for --method rays, probes and buffers; "

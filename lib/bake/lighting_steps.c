@@ -3,6 +3,7 @@
  */
 #include "bake/lighting_steps.h"
 
+#include "bake/options_check.h"
 #include "bake/report.h"
 #include "bake/sampled_light.h"
 #include "bake/scene_records.h"
@@ -422,7 +423,7 @@ gw_status gw_lighting_bounce(gw_lighting *lighting, gw_error *error)
 							 .facet_radiance = &lighting->facet_radiance,
 							 .step = steps[s->options.method],
 							 .limit = lighting->plan.bounces ? lighting->plan.limit : 1,
-							 .tolerance = s->options.tolerance,
+							 .tolerance = gw_options_bounce_tolerance(&s->options),
 							 .no_bound = lighting->whole != NULL,
 							 .cancelled = gw_scene_stopped,
 							 .user = s };

@@ -23,6 +23,11 @@ bool gw_options_refine(const gw_bake_options *o)
 	return o->max_error > 0.0f || o->time_limit > 0.0f;
 }
 
+float gw_options_bounce_tolerance(const gw_bake_options *o)
+{
+	return o->max_error > 0.0f ? fminf(o->tolerance, 0.25f * o->max_error) : o->tolerance;
+}
+
 bool gw_options_few_records(const gw_bake_options *o)
 {
 	bool known = o->estimate_points > 0 || !(o->gathered_error > 0.0f);

@@ -21,6 +21,10 @@ gw_bake_options gw_options_effective(const gw_bake_options *options);
 /* Whether the options ask to refine until an error or a time is reached. */
 bool gw_options_refine(const gw_bake_options *options);
 
+/* Share of the light that GW_BOUNCES_AUTO leaves out: tolerance, but at most a quarter of
+ * max_error, which it is a part of. */
+float gw_options_bounce_tolerance(const gw_bake_options *options);
+
 /* Whether they ask which directions are open, and for anything that record_fields.h collects. */
 bool gw_options_openness(const gw_bake_options *options);
 bool gw_options_record_fields(const gw_bake_options *options);

@@ -3,6 +3,7 @@
  */
 #include "bake/region_records.h"
 
+#include "bake/options_check.h"
 #include "bake/scene_records.h"
 #include "base/luminance.h"
 #include "base/memory.h"
@@ -98,7 +99,7 @@ static uint32_t levels_that_matter(const gw_scene *scene)
 		kept += (double)s->area[i] * gw_luminance(s->albedo + 3 * i);
 	}
 	kept = fmin(fmax(kept / fmax(area, 1e-30), 1e-3), (double)GW_ALBEDO_MAX);
-	double levels = ceil(log((double)o->tolerance) / log(kept));
+	double levels = ceil(log((double)gw_options_bounce_tolerance(o)) / log(kept));
 	if (o->bounces != GW_BOUNCES_AUTO)
 		levels = fmin(levels, o->bounces > 1 ? (double)o->bounces - 1.0 : 0.0);
 	return (uint32_t)levels;
