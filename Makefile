@@ -8,6 +8,9 @@ CC      ?= gcc
 CXX     ?= g++
 GLSLC   ?= glslc
 
+# What is the same in all configurations is built once: the shaders.
+SHADER_BUILD := $(BUILD)/shaders
+
 # config=release (default), config=sanitize, config=coverage, or config=fuzz with clang
 config  ?= release
 ifeq ($(config),sanitize)
@@ -39,7 +42,7 @@ endif
 WARN     := -Wall -Wextra -Wformat=2
 WARN_C   := $(WARN) -Wshadow -Wconversion -Wvla -Wstrict-prototypes \
             -Werror=implicit-function-declaration
-INCLUDE  := -Ilib -Iformats -Icli -Ishaders -I$(BUILD)/shaders -I$(BUILD)
+INCLUDE  := -Ilib -Iformats -Icli -Ishaders -I$(SHADER_BUILD) -I$(BUILD)
 CFLAGS   += -std=c17 -D_GNU_SOURCE $(OPT) $(WARN_C) -fPIC -pthread -ffp-contract=off $(INCLUDE)
 CXXFLAGS += -std=c++17 -D_GNU_SOURCE -D_GLIBCXX_ASSERTIONS $(OPT) $(WARN) -fPIC -pthread -ffp-contract=off $(INCLUDE) \
             -isystem /usr/include/pcl-1.13 -isystem /usr/include/eigen3 -isystem /usr/include/OpenEXR -isystem /usr/include/Imath
@@ -65,7 +68,7 @@ CLI_SOURCES     := $(wildcard cli/*/*.c)
 PUBLIC_HEADERS  := $(wildcard lib/*.h)
 objects          = $(addprefix $(BUILD)/,$(addsuffix .o,$(basename $(1))))
 SHADERS         := $(wildcard shaders/*/*.comp)
-SPIRV           := $(SHADERS:%.comp=$(BUILD)/%.spv.inc)
+SPIRV           := $(SHADERS:shaders/%.comp=$(SHADER_BUILD)/%.spv.inc)
 
 # What tests and benchmarks link: the program without its main function, and their own helpers.
 MAIN_SOURCE     := $(shell grep -ls '^int main\>' cli/*/*.c)
@@ -167,14 +170,14 @@ $(KERNEL_OBJECTS): $(BUILD)/kernels/%_kernel.o: lib/light/kernel.cpp shaders/%.c
 
 # Shaders become comma-separated words that lib/device/shaders.c includes. A header that is gone must
 # not stop the next build, so each gets an empty rule, as -MP gives those of C.
-$(BUILD)/shaders/%.spv.inc: shaders/%.comp
+$(SHADER_BUILD)/%.spv.inc: shaders/%.comp
 	@mkdir -p $(@D)
-	$(GLSLC) -std=460 --target-env=vulkan1.2 -O -mfmt=num -Ishaders -MD -MF $(BUILD)/shaders/$*.d -MT $@ -o $@ $<
+	$(GLSLC) -std=460 --target-env=vulkan1.2 -O -mfmt=num -Ishaders -MD -MF $(SHADER_BUILD)/$*.d -MT $@ -o $@ $<
 	@sed -e 's/^[^:]*://' $(@:.spv.inc=.d) | tr -s ' \\' '\n' | sed -e '/./s/$$/:/' >$@.absent
 	@cat $@.absent >>$(@:.spv.inc=.d) && rm $@.absent
 
 # One array for each shader and a table of them; touched only when a shader comes or goes.
-$(BUILD)/shaders/shader_list.inc: FORCE
+$(SHADER_BUILD)/shader_list.inc: FORCE
 	@mkdir -p $(@D)
 	@{ for shader in $(SHADERS:shaders/%.comp=%); do \
 		printf 'static const uint32_t shader_%s[] = {\n#include "%s.spv.inc"\n};\n' $${shader##*/} $$shader; \
@@ -185,7 +188,7 @@ $(BUILD)/shaders/shader_list.inc: FORCE
 	done; echo '};'; } > $@.new
 	@cmp -s $@.new $@ && rm $@.new || mv $@.new $@
 
-$(BUILD)/lib/device/shaders.o: $(SPIRV) $(BUILD)/shaders/shader_list.inc
+$(BUILD)/lib/device/shaders.o: $(SPIRV) $(SHADER_BUILD)/shader_list.inc
 
 $(SAMPLE_PROGRAMS): $(BUILD)/%: $(BUILD)/%.o \
 		$(addprefix $(BUILD)/samples/,sample_points.o sample_ptx.o sample_e57.o)
@@ -315,7 +318,7 @@ ANALYSE   = clang --analyze -Xclang -analyzer-output=text -Xclang -analyzer-conf
 	-Xclang max-nodes=75000 $(filter -std=% -D% -I%,$(1)) \
 	$(addprefix -isystem ,$(filter /usr/include/%,$(1))) -MD -MP -MF $@.d -MT $@ -o $@.new $<
 
-$(BUILD)/analysis/%.c.txt: %.c | $(SPIRV) $(BUILD)/shaders/shader_list.inc $(BUILD_FLAGS)
+$(BUILD)/analysis/%.c.txt: %.c | $(SPIRV) $(SHADER_BUILD)/shader_list.inc $(BUILD_FLAGS)
 	@mkdir -p $(@D)
 	@$(call ANALYSE,$(CFLAGS)) 2>$@.new; mv $@.new $@
 
@@ -402,4 +405,4 @@ help:  ## list the targets
 clean:  ## remove what was built
 	rm -rf build
 
--include $(wildcard $(BUILD)/*/*.d $(BUILD)/*/*/*.d)
+-include $(sort $(wildcard $(BUILD)/*/*.d $(BUILD)/*/*/*.d $(SHADER_BUILD)/*/*.d))

@@ -4,28 +4,28 @@ glowworm info --devices >/dev/null 2>&1 || { echo "there is no Vulkan device"; e
 . "$SOURCE/tests/cli/shared_functions"
 make_box --scene cornell --points 2000 -o box.ply
 
-run 0 bake box.ply -q --method volume --volume-cells 16 --report one.json -o one.ply \
+run 0 bake box.ply -q --method volume --volume-cells 8 --report one.json -o one.ply \
 	--vdb-sh one.vdb
-run 0 bake box.ply -q --method volume --volume-cells 16 -o two.ply --vdb-sh two.vdb --threads 3
+run 0 bake box.ply -q --method volume --volume-cells 8 -o two.ply --vdb-sh two.vdb --threads 3
 [ "$(body one.ply)" = "$(body two.ply)" ] && echo "the same light"
 # The cells that have light, beside how many there were to be along a side.
 grep -c volume_cells one.json
 head -c 4 one.vdb && echo
 strings one.vdb | grep '^sh_[0-8]$' | sort -u | wc -l
 # Nine harmonics have nine grids, by any method; none is made where nobody asks.
-run 0 bake box.ply -q --volume-cells 8 --volume-sh 9 --report rays.json --vdb-sh nine.vdb
+run 0 bake box.ply -q --rays 16 --volume-cells 8 --volume-sh 9 --report rays.json --vdb-sh nine.vdb
 strings nine.vdb | grep '^sh_[0-8]$' | sort -u | wc -l
-run 0 bake box.ply -q --report none.json -o rays.ply
+run 0 bake box.ply -q --rays 16 --report none.json -o rays.ply
 grep -c volume_cells none.json
 [ "$(body one.ply)" != "$(body rays.ply)" ] && echo "other light than by rays"
 glowworm plan box.ply --method volume 2>&1 | grep -o '^ *bounces.*volume' | sed 's/  */ /g'
 
 # A transport gives the same bytes, under other lamps too.
 lamp='point at 0.5,0.5,0.7 intensity 1'
-run 0 bake box.ply -q --method volume --volume-cells 16 --save-transport kept.transport -o kept.ply
-run 0 bake box.ply -q --method volume --volume-cells 16 --transport kept.transport -o again.ply
-run 0 bake box.ply -q --method volume --volume-cells 16 --light "$lamp" -o lamp.ply
-run 0 bake box.ply -q --method volume --volume-cells 16 --light "$lamp" \
+run 0 bake box.ply -q --method volume --volume-cells 8 --save-transport kept.transport -o kept.ply
+run 0 bake box.ply -q --method volume --volume-cells 8 --transport kept.transport -o again.ply
+run 0 bake box.ply -q --method volume --volume-cells 8 --light "$lamp" -o lamp.ply
+run 0 bake box.ply -q --method volume --volume-cells 8 --light "$lamp" \
 	--transport kept.transport -o lamp-again.ply
 [ "$(body kept.ply)" = "$(body again.ply)" ] && echo "the same light again"
 [ "$(body lamp.ply)" = "$(body lamp-again.ply)" ] && echo "the same lamp again"

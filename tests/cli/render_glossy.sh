@@ -5,18 +5,18 @@ make_box --scene cornell --points 6000 -o box.ply
 cat >box.scene.json <<'END'
 {"version": 1, "inputs": [{"file": "box.ply", "specular": 0.5, "roughness": 0.25}]}
 END
-run 0 bake box.scene.json -o lit.ply -q --estimate-points 0 --bounces 2
+run 0 bake box.scene.json -o lit.ply -q --rays 16 --estimate-points 0 --bounces 2
 sed -n '/^property float \(specular\|roughness\)$/p; /^end_header$/q' lit.ply
 
 # For what bounces, a black mirror is as good as white.
 for surface in '"albedo": 0, "specular": 1' '"albedo": 1'; do
 	echo "{\"version\": 1, \"inputs\": [{\"file\": \"box.ply\", $surface}]}" >some.scene.json
-	run 0 bake some.scene.json -o some.ply -q --estimate-points 0 --bounces 2 --force
+	run 0 bake some.scene.json -o some.ply -q --rays 16 --estimate-points 0 --bounces 2 --force
 	[ -f first.ply ] || mv some.ply first.ply
 done
 run 0 compare first.ply some.ply --max-relrmse 0 >figures.txt
 
-small='--size 96x72 --exposure 0 --samples 1'
+small='--size 64x48 --exposure 0 --samples 1'
 # shellcheck disable=SC2086
 for how in off rays cones caches; do
 	run 0 render lit.ply -o $how.png $small --glossy $how
@@ -36,7 +36,7 @@ cmp -s rays.png.data cones.png.data && echo "no cones to be seen"
 data caches.png
 cmp rays.png.data caches.png.data && echo "0.25 is too smooth for caches"
 sed 's/0.25/0.5/' box.scene.json >rough.scene.json
-run 0 bake rough.scene.json -o rough.ply -q --estimate-points 0 --bounces 2
+run 0 bake rough.scene.json -o rough.ply -q --rays 16 --estimate-points 0 --bounces 2
 around="$small --camera 'at 0,-3.4,1 to 0,0,1 fov 46'"
 for threads in 1 2; do
 	# shellcheck disable=SC2086
@@ -79,7 +79,7 @@ awk 'BEGIN {
 		print p[0], p[1], p[2], m[0], m[1], m[2], 1, 1, 1, (k == 2) * 0.5, 0.3, 0.5, 0.5, 0.5
 	}
 }' >furnace.ply
-view="--size 96x64 --samples 1 --exposure 0 --tone none"
+view="--size 48x32 --samples 1 --exposure 0 --tone none"
 camera='at 0.5,0.2,0.1 to -1,-0.3,-1 fov 90'
 # shellcheck disable=SC2086
 for how in off rays caches; do

@@ -497,6 +497,9 @@ static void make_power(float numbers[92 + 91], int power)
 	numbers[92 + 90] = 0.0f;
 }
 
+/* Every so many of the points are compared with sums over pieces; of each column some. */
+#define SUMMED_APART 9
+
 /* What pieces of a rectangle or disc, 200 by 200 about its middle, send by such a power. */
 static double power_irradiance(const gw_light *light, const double place[3], int power)
 {
@@ -512,7 +515,10 @@ static double power_irradiance(const gw_light *light, const double place[3], int
 			continue;
 		double x = light->position[0] + u * w - place[0], y = light->position[1] + v * h - place[1];
 		double squared = x * x + y * y + z * z, cosine = z / sqrt(squared);
-		sum += 4.0 * pow(cosine, power) * cosine / squared;
+		double sent = 4.0 * cosine / squared;
+		for (int n = 0; n < power; n++)
+			sent *= cosine;
+		sum += sent;
 		inside++;
 	}
 	return sum / (double)inside;
@@ -542,7 +548,7 @@ static void luminaires_have_areas(void **state)
 		double area = k % 2 ? 0.75 : 0.25 * SCENE_PI;
 		double error = point_light_error(&result->report, 0.9, 0.9) +
 					   2.0 * (power + 3.0) / 24.0 * area / 64.0 / (0.9 * 0.9);
-		for (size_t i = 0; i < s.count; i += 3) {
+		for (size_t i = 0; i < s.count; i += power == 1 ? 3 : SUMMED_APART) {
 			const double *place = s.position + 3 * i;
 			double aside = hypot(place[0] - 0.3, place[1] + 0.2) + 0.75, n = power;
 			double bend = n * (n - 1.0) * aside * aside / (0.9 * 0.9) + n;

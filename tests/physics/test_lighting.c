@@ -25,7 +25,9 @@ static gw_bake_options options_of(gw_method method)
 {
 	gw_bake_options options = gw_bake_options_default();
 	options.method = method;
-	options.estimate_points = 100;
+	options.rays = options.light_samples = 16; /* bakes are compared with each other */
+	options.cones = 4;
+	options.estimate_points = 20;
 	return options;
 }
 
@@ -74,7 +76,7 @@ static void check_parts(void (*make)(scene *s), gw_method method, double toleran
 static void parts_make_the_whole(void **state)
 {
 	(void)state;
-	check_parts(scene_make_hall, GW_METHOD_RAYS, 1e-5);
+	check_parts(scene_make_small_hall, GW_METHOD_RAYS, 1e-5);
 }
 
 static void parts_through_an_opening(void **state)
@@ -88,7 +90,7 @@ static void parts_through_an_opening(void **state)
 static void parts_by_cones(void **state)
 {
 	(void)state;
-	check_parts(scene_make_hall, GW_METHOD_CONES, 0x1p-12);
+	check_parts(scene_make_small_hall, GW_METHOD_CONES, 0x1p-12);
 }
 
 /* A small patch is lit so brightly that it is sampled: parts must be by the samples of the whole.
@@ -99,7 +101,7 @@ static void parts_of_a_patch(void **state)
 	scene hall = { 0 };
 	gw_light lights[2] = { scene_point_light(1.0, 1.0, 0.02, 1.0f),
 						   scene_point_light(3.0, 1.5, 0.02, 2.0f) };
-	scene_make_hall(&hall);
+	scene_make_small_hall(&hall);
 	gw_points points = scene_points(&hall);
 	points.emission = NULL;
 	gw_bake_options options = options_of(GW_METHOD_RAYS);
@@ -208,7 +210,7 @@ static void same_and_other_lights(void (*make)(scene *s), gw_method method)
 static void lit_again_by_rays(void **state)
 {
 	(void)state;
-	same_and_other_lights(scene_make_hall, GW_METHOD_RAYS);
+	same_and_other_lights(scene_make_small_hall, GW_METHOD_RAYS);
 }
 
 static void lit_again_through_an_opening(void **state)
@@ -220,7 +222,7 @@ static void lit_again_through_an_opening(void **state)
 static void lit_again_by_cones(void **state)
 {
 	(void)state;
-	same_and_other_lights(scene_make_hall, GW_METHOD_CONES);
+	same_and_other_lights(scene_make_small_hall, GW_METHOD_CONES);
 }
 
 /* Means over facets are taken in another order than the octree's: 24 bits each, some hundred terms;
@@ -229,7 +231,7 @@ static void other_emission(void **state)
 {
 	(void)state;
 	fixture f;
-	set_up(&f, scene_make_hall, GW_METHOD_RAYS);
+	set_up(&f, scene_make_small_hall, GW_METHOD_RAYS);
 	float *emission = calloc(f.points.count, 3 * sizeof *emission);
 	assert_non_null(emission);
 	for (size_t i = 0; i < 3 * f.points.count; i++)
@@ -264,7 +266,7 @@ static void other_emission(void **state)
 /* A hall with points at the place of others, as black as can be; they are its last. */
 static void make_doubled(scene *s)
 {
-	scene_make_hall(s);
+	scene_make_small_hall(s);
 	size_t count = s->count;
 	for (size_t i = 0; i < DOUBLES; i++) {
 		size_t of = i * (count / DOUBLES);
@@ -347,7 +349,7 @@ static void damaged_ones_are_refused(void **state)
 {
 	(void)state;
 	fixture f;
-	set_up(&f, scene_make_hall, GW_METHOD_RAYS);
+	set_up(&f, scene_make_small_hall, GW_METHOD_RAYS);
 	unsigned char *copy = malloc(f.kept.length + 8);
 	assert_non_null(copy);
 	/* Cut short, in memory of that length, and with bytes too many. */
@@ -377,7 +379,7 @@ static void others_are_refused(void **state)
 {
 	(void)state;
 	fixture f;
-	set_up(&f, scene_make_hall, GW_METHOD_RAYS);
+	set_up(&f, scene_make_small_hall, GW_METHOD_RAYS);
 	gw_points other = f.points;
 	double old = f.scene.position[7];
 	other.count--;
@@ -408,7 +410,7 @@ static void writes_may_fail(void **state)
 {
 	(void)state;
 	fixture f;
-	set_up(&f, scene_make_hall, GW_METHOD_RAYS);
+	set_up(&f, scene_make_small_hall, GW_METHOD_RAYS);
 	const size_t limits[] = { 0, 100, f.kept.length / 2, f.kept.length - 1 };
 	for (size_t i = 0; i < 4; i++) {
 		kept_bytes full = { .limit = limits[i] };
@@ -574,7 +576,7 @@ static void errors_fall_with_rays(void **state)
 	scene hall = { 0 };
 	gw_light lights[LIGHTS];
 	make_lights(lights);
-	scene_make_hall(&hall);
+	scene_make_small_hall(&hall);
 	const gw_points points = scene_points(&hall);
 	double mean[2];
 	for (int i = 0; i < 2; i++) {
