@@ -562,10 +562,18 @@ static void and_walls_between_rooms(void **state)
 	}
 }
 
-/* A room of 10,000 random points into which rock stands: a pillar, hollow below, of one of whose
- * sides the points are so many times as sparse. */
-static void add_room_with_pillar(scene *s, double wide, double sparse)
+/* A pillar of rock, hollow below, one of whose sides has fewer points. */
+typedef struct pillar {
+	double wide;
+	double sparse; /* so many times as few */
+	double off;    /* from the room's middle, the way that this side faces */
+	double hole;   /* width of a square without points in the middle of it */
+} pillar;
+
+/* A room of 10,000 random points with a pillar in it. */
+static void add_room_with_pillar(scene *s, pillar of)
 {
+	const double wide = of.wide, sparse = of.sparse, off = of.off;
 	const double spacing = sqrt(6.0 / 10000.0), high = 0.6;
 	scene room = { .state = s->state };
 	add_random_box(&room, (box){ .count = 10000, .width = 1.0, .facing = 1 });
@@ -574,7 +582,7 @@ static void add_room_with_pillar(scene *s, double wide, double sparse)
 		const double *p = room.position + 3 * i;
 		const double normal[3] = { (double)room.normal[3 * i], (double)room.normal[3 * i + 1],
 								   (double)room.normal[3 * i + 2] };
-		if (p[2] > -0.5 + 1e-9 || fmax(fabs(p[0]), fabs(p[1])) >= 0.5 * wide)
+		if (p[2] > -0.5 + 1e-9 || fmax(fabs(p[0] + off), fabs(p[1])) >= 0.5 * wide)
 			scene_add(s, p, normal, 0.5f);
 	}
 	scene_clear(&room);
@@ -591,25 +599,35 @@ static void add_room_with_pillar(scene *s, double wide, double sparse)
 				place[2] = high * v - 0.5;
 				normal[2] = 0.0;
 			}
+			double above = place[2] + 0.5 - 0.5 * high;
+			if (side == 0 && fmax(fabs(place[1]), fabs(above)) < 0.5 * of.hole)
+				continue;
+			place[0] -= off;
 			scene_add(s, place, normal, 0.5f);
 		}
 	}
 }
 
+/* Finds the compartments of a scene. */
+static void find_compartments(const scene *s, gw_gpu **gpu, gw_surfels *surfels, gw_octree *octree)
+{
+	gw_error error;
+	gw_points points = scene_points(s);
+	const gw_surfels_options options = { .threads = 2, .normals = GW_NORMALS_GIVEN };
+	assert_int_equal(gw_gpu_create(&(gw_gpu_options){ 0 }, gpu, &error), GW_OK);
+	assert_int_equal(gw_surfels_make(&points, &options, surfels, &error), GW_OK);
+	assert_int_equal(gw_octree_build(*gpu, surfels, GW_DEPTH_AUTO, octree, &error), GW_OK);
+	assert_int_equal(gw_compartments_find(*gpu, surfels, 2, octree, &error), GW_OK);
+}
+
 /* Are a place in a room and what lies around it kept apart? */
 static bool is_shut(const scene *s, const double place[3])
 {
-	gw_error error;
 	gw_gpu *gpu = NULL;
 	gw_surfels surfels = { 0 };
 	gw_octree octree = { 0 };
-	gw_points points = scene_points(s);
-	const gw_surfels_options options = { .threads = 2, .normals = GW_NORMALS_GIVEN };
-	assert_int_equal(gw_gpu_create(&(gw_gpu_options){ 0 }, &gpu, &error), GW_OK);
-	assert_int_equal(gw_surfels_make(&points, &options, &surfels, &error), GW_OK);
-	assert_int_equal(gw_octree_build(gpu, &surfels, GW_DEPTH_AUTO, &octree, &error), GW_OK);
-	assert_int_equal(gw_compartments_find(gpu, &surfels, 2, &octree, &error), GW_OK);
 	float g[3];
+	find_compartments(s, &gpu, &surfels, &octree);
 	for (int k = 0; k < 3; k++)
 		g[k] = (float)(place[k] - surfels.origin[k] - (double)octree.cube_minimum[k]) /
 			   octree.leaf_size;
@@ -620,6 +638,25 @@ static bool is_shut(const scene *s, const double place[3])
 	gw_surfels_clear(&surfels);
 	gw_gpu_destroy(&gpu);
 	return shut;
+}
+
+/* How many surfels look out of a closed room, or nobody knows where? */
+static size_t count_looking_out(const scene *s)
+{
+	gw_gpu *gpu = NULL;
+	gw_surfels surfels = { 0 };
+	gw_octree octree = { 0 };
+	find_compartments(s, &gpu, &surfels, &octree);
+	assert_true(gw_compartments_several(&octree));
+	size_t out = 0;
+	for (size_t i = 0; i < surfels.count; i++) {
+		uint32_t label = gw_compartment_of_surfel(&octree, i, false);
+		out += label == GW_COMPARTMENT_UNKNOWN || label == gw_compartment_outside(&octree);
+	}
+	gw_octree_destroy(gpu, &octree);
+	gw_surfels_clear(&surfels);
+	gw_gpu_destroy(&gpu);
+	return out;
 }
 
 /* The side of a stalactite has a single point where its front has hundreds. A hole as wide as its
@@ -633,12 +670,33 @@ static void holes_that_points_missed_are_shut(void **state)
 	} rows[] = { { 5, 10.0 }, { 5, 20.0 }, { 8, 20.0 }, { 5, 40.0 }, { 6, 40.0 }, { 8, 40.0 } };
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
 		scene s = { .state = rows[i].seed * 1000003u };
-		add_room_with_pillar(&s, 0.12, rows[i].sparse);
+		add_room_with_pillar(&s, (pillar){ .wide = 0.12, .sparse = rows[i].sparse });
 		bool shut = is_shut(&s, (const double[3]){ 0.4, 0.4, 0.3 });
 		print_message("a side %.0f times as sparse: %s\n", rows[i].sparse, shut ? "shut" : "open");
 		scene_clear(&s);
 		assert_true(shut);
 	}
+}
+
+/* Nor does surface look into rock through a hole of four spacings across a slit that is narrower
+ * than cells. One surfel that did gave its compartment to all in the slit, most of which look
+ * nowhere. */
+static void nothing_looks_into_rock_across_slits(void **state)
+{
+	(void)state;
+	const double spacing = sqrt(6.0 / 10000.0), wide = 0.2;
+	size_t out = 0;
+	for (uint64_t seed = 1; seed < 6; seed++) {
+		for (int halves = 1; halves < 4; halves++) {
+			scene s = { .state = seed * 1000003u };
+			double off = 0.5 - 0.5 * wide - 0.5 * halves * spacing;
+			add_room_with_pillar(&s, (pillar){ wide, 1.0, off, 4.0 * spacing });
+			out += count_looking_out(&s);
+			scene_clear(&s);
+		}
+	}
+	print_message("in slits beside holes: %zu look out\n", out);
+	assert_int_equal(out, 0);
 }
 
 static void expect_open(box b, double spacings)
@@ -760,6 +818,7 @@ int main(void)
 		cmocka_unit_test(glowing_rooms_stay_light),
 		cmocka_unit_test(and_walls_between_rooms),
 		cmocka_unit_test(holes_that_points_missed_are_shut),
+		cmocka_unit_test(nothing_looks_into_rock_across_slits),
 		cmocka_unit_test(windows_stay_open),
 		cmocka_unit_test(holes_are_open_to_their_rims),
 	};
