@@ -100,14 +100,11 @@ bool is_in_rock(uint leaf, IN(DiscPassage) passage, bool amid)
 	return on;
 }
 
-/* Is the place within the leaf's cell, or are discs all around it, and does the disc not stick out
- * there? */
-bool lies_amid(uint slot, IN(DiscPassage) passage, vec3 cell_centre)
+/* Is the place within the leaf's cell, or are discs all around it? */
+bool is_amid(uint slot, vec3 cell_centre, vec3 at)
 {
-	vec3 off = passage.at - cell_centre;
-	return (max(abs(off.x), max(abs(off.y), abs(off.z))) <= 0.5f ||
-			is_surrounded(slot, passage.at)) &&
-		   !sticks_out(slot >> 1, passage.normal, passage.place, passage.at);
+	vec3 off = at - cell_centre;
+	return max(abs(off.x), max(abs(off.y), abs(off.z))) <= 0.5f || is_surrounded(slot, at);
 }
 
 /* The discs of a leaf; see above. A light's or a record's own surface is not met near t_max. */
@@ -124,9 +121,9 @@ void meet_discs(IN(Ray) ray, uint leaf, vec3 cell_centre, INOUT(Doubt) doubt, IN
 				   lie_concave(doubt.place, doubt.normal, passage.place, passage.normal);
 		if (!met && passage.squared < GW_VOID_REACH_SQUARED)
 			met = is_in_rock(leaf, passage,
-							 !passage.cut &&
-								 (passage.squared <= 1.0f ? is_covered(slot, passage.at)
-														  : lies_amid(slot, passage, cell_centre)));
+							 !passage.cut && (passage.squared <= 1.0f
+												  ? is_covered(slot, passage.at)
+												  : is_amid(slot, cell_centre, passage.at)));
 		if (met) {
 			hit.t = passage.t;
 			hit.facet = slot;

@@ -11,9 +11,6 @@
  *
  * Where discs lie all around a place and none that reaches it was cut, random points have left a
  * void in a surface that goes on.
- *
- * Planes and discs are flat, so over the crest of a bump they stick out by as much as a spacing,
- * and would shadow what the bump does not. There the nearest disc lies behind: see sticks_out.
  */
 #ifndef OCTREE_DISCS_GLSL
 #define OCTREE_DISCS_GLSL
@@ -107,45 +104,12 @@ bool is_along_crease(uint slot, vec3 other, vec3 at)
 	return before && after;
 }
 
-/*
- * Does a place on a plane lie where the surface has bent away beneath it? So it is when of all the
- * leaf's discs the nearest one has it in front, and lies behind the plane: one that faces about as
- * the plane does, or meets it as the sides of a block do, each behind the other. A floor that goes
- * on beneath a block is neither.
- *   middle   of what the plane is the surface of
- */
-bool sticks_out(uint leaf, vec3 normal, vec3 middle, vec3 at)
-{
-	float on = GW_FAR, behind = GW_FAR; /* squared distances of the nearest */
-	uint last = texelFetch(leaf_fragment, int(leaf) + 1).x;
-	for (uint f = texelFetch(leaf_fragment, int(leaf)).x; f < last; f++) {
-		uint word = texelFetch(fragment_surfel, int(f)).x;
-		if (word >> 31 != 0u)
-			continue;
-		int surfel = int(word & 0x3fffffffu);
-		vec3 place = texelFetch(surfel_place, surfel).xyz, off = at - place;
-		vec3 facing = texelFetch(surfel_facing, surfel).xyz;
-		float rise = GW_STICK_OUT * texelFetch(surfel_disc, surfel).x;
-		bool beneath = dot(normal, off) >= 0.0f && dot(facing, off) > rise &&
-					   (dot(facing, normal) > GW_LIKE_COSINE ||
-						dot(facing, middle - place) <= GW_CONCAVE_DOUBT);
-		if (beneath)
-			behind = min(behind, dot(off, off));
-		else
-			on = min(on, dot(off, off));
-	}
-	return behind < on;
-}
-
 bool is_covered(uint slot, vec3 at)
 {
 	uint first = texelFetch(leaf_fragment, int(slot >> 1)).x;
 	uint last = texelFetch(leaf_fragment, int(slot >> 1) + 1).x;
 	if (last - first > GW_DISC_FRAGMENTS)
 		return true;
-	vec3 normal = texelFetch(facet_plane, int(slot)).xyz;
-	if (sticks_out(slot >> 1, normal, texelFetch(facet_centre, int(slot)).xyz, at))
-		return false;
 	int votes = 0;
 	float cover = 0.0f;
 	bool cut = false;

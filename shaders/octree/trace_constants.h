@@ -53,9 +53,6 @@
  * is alone, it sticks out over a ridge, and there is no surface. */
 #define GW_COVER_LEAST 0.2f
 
-/* Radii of a disc: a place that lies further in front of it is not on its surface. */
-#define GW_STICK_OUT 0.01f
-
 /* A place has discs all around it when so many of eight half-planes hold one. */
 #define GW_SEEN_AROUND 7
 #define GW_SQRT_HALF 0.70710678f
