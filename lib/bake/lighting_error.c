@@ -88,7 +88,7 @@ gw_status gw_lighting_estimate(gw_lighting *lighting, gw_error *error)
 			.light_count = lighting->plan.lamps ? lighting->light_count : 0,
 			.options = o,
 			.limit = lighting->plan.bounces ? lighting->plan.limit : 1,
-			.left_out = s->report->remaining,
+			.remaining = s->report->remaining,
 			.asked = s->region.asked,
 			.seen = s->space.scanners > 0,
 			.closed = gw_scene_closed_space(s),

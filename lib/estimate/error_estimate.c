@@ -456,10 +456,10 @@ static void add_emission(const gw_estimate_task *task, const estimate *e, double
 }
 
 /* What bounces that nobody asked to be left out would add, all of which is missing. */
-static void add_left_out(const gw_estimate_task *task, gw_error_estimate *result)
+static void add_remaining(const gw_estimate_task *task, gw_error_estimate *result)
 {
 	if (task->limit == GW_BOUNCES_AUTO && (result->points > 0 || result->relative_rms > 0.0))
-		result->relative_rms = hypot(result->relative_rms, task->left_out);
+		result->relative_rms = hypot(result->relative_rms, task->remaining);
 }
 
 /* Where the points stand, and what they see. */
@@ -665,7 +665,7 @@ gw_status gw_estimate_error(const gw_estimate_task *task, gw_error_estimate *res
 	if (status == GW_OK)
 		add_emission(task, &e, mean, result);
 	result->relative_rms = hypot(result->relative_rms, hypot(result->geometry, result->sides));
-	add_left_out(task, result);
+	add_remaining(task, result);
 	gw_hit_light_close(&e.hit_light);
 	gw_records_destroy(task->passes->gpu, &e.place);
 	gw_check_point_choice_clear(&e.choice);

@@ -58,7 +58,7 @@ typedef struct gw_estimate_task {
 	bool seen;                      /* scanners are known */
 	const gw_scanned_space *closed; /* NULL, or whose gaps are closed as options say */
 	uint32_t limit;                 /* reflections, or GW_BOUNCES_AUTO */
-	double left_out;                /* share of the light that further ones would add */
+	double remaining;               /* share of the light that further ones would add */
 	gw_check_point_hits *hits;      /* what is known of what points see; theirs in the end */
 } gw_estimate_task;
 

@@ -457,7 +457,7 @@ typedef struct mates {
 	uint32_t same, unknown;
 } mates;
 
-/* Adds a leaf's. */
+/* Adds a leaf's; who has its disc in several leaves counts in each. */
 static void add_mates(const sight *s, uint32_t leaf, size_t surfel, int side, mates *m)
 {
 	const float *p = s->position + 4 * surfel, *n = s->normal + 4 * surfel;
