@@ -98,6 +98,7 @@ static size_t count_sunlit_of(const scene *s, size_t count, double height, uint3
 	gw_points points = scene_points(s);
 	gw_bake_options options = gw_bake_options_default();
 	options.bounces = 1;
+	options.rays = 1; /* suns are looked at, not what bounces */
 	options.estimate_points = 0;
 	options.depth = depth;
 	gw_light sun[SUNS];
@@ -140,6 +141,8 @@ static size_t count_lit_by(const scene *s, size_t count, gw_method method, float
 	gw_bake_options options = gw_bake_options_default();
 	options.estimate_points = 0;
 	options.method = method;
+	if (method == GW_METHOD_VOLUME || method == GW_METHOD_LPV)
+		options.rays = 16; /* of a cell: one that belongs to the wrong side lights all around it */
 	return count_lit_with(s, count, options, some);
 }
 
@@ -297,6 +300,8 @@ static size_t count_lit_by_others(const scene *s, size_t count, const gw_light *
 	options.estimate_points = 0;
 	options.bounces = 3;
 	options.method = method;
+	if (method == GW_METHOD_VOLUME || method == GW_METHOD_LPV)
+		options.rays = 16; /* of a cell: one that belongs to the wrong side lights all around it */
 	gw_bake_result *result = scene_bake(&points, lamp, lamp ? 1 : 0, &options);
 	size_t lit = 0;
 	for (size_t i = 0; i < count; i++)
@@ -762,6 +767,7 @@ static size_t count_dark_within(holed_sheet h, size_t *within)
 	gw_points points = scene_points(&s);
 	gw_bake_options options = gw_bake_options_default();
 	options.bounces = 1;
+	options.rays = 1;
 	options.estimate_points = 0;
 	const gw_light sun = { .type = GW_LIGHT_SUN,
 						   .direction = { SUN_X, SUN_Y, -1.0 },
