@@ -316,10 +316,11 @@ typedef enum gw_effect_kind {
 
 /*
  * What of a bake does not depend on the light, as a block of bytes: the surface of the points, the
- * octree, and what the places see where light is gathered and where the error was estimated. A
- * second bake of the same points begins with it and only lights them. The bytes are for the same
- * version of the library, and stay as they are until gw_bake returns: where they begin at a page of
- * memory, as a mapped file does, the software driver uses them in place.
+ * octree, and what the places see where light is gathered and where the error was estimated, and
+ * what probes see (gw_probes_make). A second bake of the same points begins with it and only lights
+ * them. The bytes are for the same version of the library, and stay as they are until gw_bake
+ * returns: where they begin at a page of memory, as a mapped file does, the software driver uses
+ * them in place.
  *
  * Lights, emission, shadows, bounces, tolerance and light_samples may differ between the two bakes;
  * positions, normals, albedo, scanners and the other settings of light have to be the same. Where
@@ -427,7 +428,9 @@ typedef struct gw_bake_options {
 								of its light. Gathers by rays; neither with a transport nor with
 								voxels or a volume, nor in frames, and nothing is foretold */
 	const gw_transport *transport; /* NULL, or begin with an earlier bake's and write this one's;
-									  not together with max_error or time_limit */
+									  not together with max_error or time_limit. Of a scene it
+									  stays as it is until gw_scene_destroy, with its data, and
+									  is written by the first gw_probes_make */
 	gw_drivers *drivers; /* NULL, or those that gw_drivers_load began to load, for one bake
 							at a time: its device is opened sooner */
 } gw_bake_options;
@@ -829,8 +832,8 @@ typedef struct gw_scene gw_scene;
  *   options      as of gw_bake; NULL: the defaults. max_error and time_limit are refused: what is
  *                fine enough depends on the light, and a scene is there for many; bake once with
  *                the hardest light, and make the scene with the settings of the last gw_round in
- *                its report. So is transport, which is a scene on disk. What effects_forbidden,
- *                shadows and bounces leave no light a use for is not made: no octree for lamps that
+ *                its report. What effects_forbidden, shadows and bounces leave no light a use for
+ *                is not made, but for a transport that is to be written: no octree for lamps that
  *                nothing hides or reflects
  *   callbacks    NULL, or called during all calls for the scene and its lightings; copied
  *   scene        on success to be given back with gw_scene_destroy; NULL on failure

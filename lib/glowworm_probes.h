@@ -99,10 +99,14 @@ typedef struct gw_probes {
 
 /*
  * Places probes in a lit scene and traces what they see. Lamps that are no points are not seen.
+ * Where the scene's last probes were placed by the same options they are lit anew, and nothing is
+ * traced, also in other light; a scene that began with a transport has the probes that were made
+ * before this was written, and no others.
  *   lighting   may be changed afterwards
  *   options    NULL: gw_probes_options_default
  *   probes     on success to be given back with gw_probes_destroy; NULL on failure
- * Fails with GW_ERROR_USAGE for options that make no sense, for scenes without an octree
+ * Fails with GW_ERROR_USAGE for options that make no sense or are not those of the transport, for
+ * scenes without an octree
  * (gw_bake_options.effects_forced can ask for one), and where there is no free space within the
  * bounds; GW_ERROR_MEMORY, GW_ERROR_CANCELLED. The same scene, light and options give the same
  * bytes, for any number of threads.

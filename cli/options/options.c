@@ -256,7 +256,7 @@ const option options[] = {
 			  "harmonics, sh_0 to sh_3 or sh_8; --volume-cells and --volume-sh say how fine" },
 	{ "report", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(BAKE), AT(report), .group = "Output",
 	  .help = "write what was done, left out and measured, as JSON" },
-	{ "save-transport", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(BAKE), AT(save_transport),
+	{ "save-transport", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(BAKE | PROBES), AT(save_transport),
 	  .group = "Output", .help = "write what does not depend on the light, for --transport" },
 	{ "fields", 0, "LIST", OPTION_FIELDS, FOR(BAKE | PLAN), .scene = true, AT(fields),
 	  .choice = field_name, .group = "Output",
@@ -433,8 +433,9 @@ const option options[] = {
 	  .help = "given takes the inputs' normals as they are, estimate none of them; auto takes "
 			  "them unless many cannot be right: mixed signs, normals that are not perpendicular "
 			  "to the surface, a closed body inside out" },
-	{ "transport", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(BAKE), AT(transport), .group = "Scene",
-	  .help = "begin with what --save-transport kept of an earlier bake of the same points; "
+	{ "transport", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(BAKE | PROBES), AT(transport),
+	  .group = "Scene",
+	  .help = "begin with what --save-transport kept of an earlier run for the same points; "
 			  "lights, emission, shadows and bounces may be others" },
 	{ "albedo", 0, NULL, OPTION_ALBEDO, FOR(BAKE | PLAN | TRADEOFF | RENDER | PROBES),
 	  .scene = true, .group = "Scene", .help = "where the diffuse reflectance comes from" },

@@ -243,10 +243,8 @@ static gw_status read_inputs(bake *b)
 	return status;
 }
 
-/* Bytes that a point adds at least to a transport: its surfel, as the transport's blocks have it.
- * And to grids with leaves as wide as by default, and to their points, compressed; a third of what
- * was seen. */
-#define TRANSPORT_BYTES 100u
+/* Bytes that a point adds at least to grids with leaves as wide as by default, and to their points,
+ * compressed; a third of what was seen. */
 #define GRID_BYTES 10u
 #define GRID_POINT_BYTES 4u
 

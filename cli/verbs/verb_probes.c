@@ -5,6 +5,7 @@
 #include "pictures/probe_picture.h"
 #include "pictures/render_cameras.h"
 #include "program/text_quote.h"
+#include "files/input_file.h"
 #include "result/bake_plan.h"
 #include "result/probe_files.h"
 #include "scene/file_roles.h"
@@ -20,7 +21,8 @@
 /* All that lives as long as one run. */
 typedef struct probing {
 	settings *settings;
-	output_file *atlas, *json, *png;
+	output_file *atlas, *json, *png, *transport;
+	input_file reused; /* a transport */
 	loaded_scene scene;
 	gw_light *light;
 	gw_drivers *drivers;
@@ -47,26 +49,40 @@ static bool is_stream(const char *path)
 	return path && strcmp(path, "-") == 0;
 }
 
+/* Input from a pipe can be read once, and standard output can be written once. */
+static gw_status check_streams(const settings *s, gw_error *error)
+{
+	int from = is_stream(s->transport), to = 0;
+	for (size_t i = 0; i < s->input_count; i++)
+		from += is_stream(s->input[i].path);
+	const char *const out[] = { s->output, s->json_file, s->vdb, s->picture, s->save_transport };
+	for (size_t i = 0; i < sizeof out / sizeof *out; i++)
+		to += is_stream(out[i]);
+	if (from > 1)
+		return gw_fail(error, GW_ERROR_USAGE, "standard input can be read once, not %d times",
+					   from);
+	if (to > 1)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "standard output can hold one of --output, --json, --vdb, --picture and "
+					   "--save-transport, not %d",
+					   to);
+	if (to > 0 && !is_stream(s->json_file) && isatty(STDOUT_FILENO))
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "standard output is a terminal, and this is binary data; redirect it, or "
+					   "name a file with -o");
+	return GW_OK;
+}
+
 static gw_status check(const settings *s, gw_error *error)
 {
 	if (s->input_count == 0)
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "where to place probes? Name an input, or - for standard input");
-	int streams =
-		is_stream(s->output) + is_stream(s->json_file) + is_stream(s->vdb) + is_stream(s->picture);
-	if (!s->output && !s->json_file && !s->vdb && !s->picture)
+	if (!s->output && !s->json_file && !s->vdb && !s->picture && !s->save_transport)
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "where to write? Give -o FILE for the maps, --json FILE for places and "
 					   "harmonics, --vdb FILE for a grid, or --picture FILE for a picture");
-	if (streams > 1)
-		return gw_fail(
-			error, GW_ERROR_USAGE,
-			"standard output can hold one of --output, --json, --vdb and --picture, not %d",
-			streams);
-	if (streams > 0 && !is_stream(s->json_file) && isatty(STDOUT_FILENO))
-		return gw_fail(error, GW_ERROR_USAGE,
-					   "standard output is a terminal, and this is binary data; redirect it, or "
-					   "name a file with -o");
+	GW_TRY(check_streams(s, error));
 	if ((s->probes.size & (s->probes.size - 1)) != 0)
 		return gw_fail(error, GW_ERROR_USAGE, "--size %u is no power of two, such as 32, 64 or 128",
 					   s->probes.size);
@@ -99,6 +115,22 @@ static gw_status check_grids(const settings *s, gw_error *error)
 	return GW_OK;
 }
 
+static gw_status open_outputs(probing *p)
+{
+	const settings *s = p->settings;
+	const struct {
+		const char *path;
+		output_file **file;
+	} out[] = { { s->output, &p->atlas },
+				{ s->json_file, &p->json },
+				{ s->picture, &p->png },
+				{ s->save_transport, &p->transport } };
+	for (size_t i = 0; i < sizeof out / sizeof *out; i++)
+		if (out[i].path)
+			GW_TRY(output_file_create(out[i].file, out[i].path, s->force, p->error));
+	return check_grids(s, p->error);
+}
+
 static gw_status read_scene(probing *p)
 {
 	settings *s = p->settings;
@@ -108,16 +140,15 @@ static gw_status read_scene(probing *p)
 	GW_TRY(check(s, p->error));
 	GW_TRY(check_picture(s, p->error));
 	GW_TRY(bake_plan_apply_motion(s, p->error));
-	if (s->output)
-		GW_TRY(output_file_create(&p->atlas, s->output, s->force, p->error));
-	if (s->json_file)
-		GW_TRY(output_file_create(&p->json, s->json_file, s->force, p->error));
-	if (s->picture)
-		GW_TRY(output_file_create(&p->png, s->picture, s->force, p->error));
-	GW_TRY(check_grids(s, p->error));
+	GW_TRY(open_outputs(p));
 	s->bake.drivers = p->drivers = gw_drivers_load();
 	GW_TRY(loaded_scene_read(s, &p->scene, p->error));
 	glossy_points_apply(s, &p->scene);
+	if (s->save_transport)
+		GW_TRY(output_file_check_room(s->save_transport, TRANSPORT_BYTES * p->scene.cloud.count,
+									  p->error));
+	if (s->transport)
+		GW_TRY(input_file_open_as(&p->reused, s->transport, UINT64_MAX, 0, p->error));
 	return loaded_scene_lights(&p->scene, s, &p->light, p->error);
 }
 
@@ -148,14 +179,26 @@ static gw_status place(probing *p, gw_scene *scene)
 	return status;
 }
 
+static gw_status write_transport(void *user, const void *bytes, size_t length, gw_error *error)
+{
+	return output_file_write(((probing *)user)->transport, bytes, length, error);
+}
+
 /* Lights the points as a bake does that has no goal and says nothing of its error. */
 static gw_status light_and_place(probing *p)
 {
 	const settings *s = p->settings;
 	gw_bake_options options = bake_plan_options(s);
 	const gw_bake_callbacks callbacks = { on_progress, on_cancelled, p, NULL };
+	const gw_transport transport = { .name = p->reused.name,
+									 .data = p->reused.data,
+									 .length = p->reused.length,
+									 .write = p->transport ? write_transport : NULL,
+									 .user = p };
 	const gw_scene_description description = { &p->scene.points.points, p->light, s->light_count };
 	gw_scene *scene = NULL;
+	if (transport.data || transport.write)
+		options.transport = &transport;
 	options.estimate_points = 0;
 	options.effects_forced |= 1u << GW_EFFECT_OCTREE;
 	gw_status status = gw_scene_create(&description, &options, &callbacks, &scene, p->error);
@@ -192,6 +235,8 @@ static gw_status write_files(probing *p)
 		GW_TRY(output_file_commit(&p->atlas, p->error));
 	if (p->json)
 		GW_TRY(output_file_commit(&p->json, p->error));
+	if (p->transport)
+		GW_TRY(output_file_commit(&p->transport, p->error));
 	return write_picture(p);
 }
 
@@ -227,6 +272,8 @@ gw_status verb_probes(settings *s, gw_error *error)
 	output_file_abandon(&p.atlas);
 	output_file_abandon(&p.json);
 	output_file_abandon(&p.png);
+	output_file_abandon(&p.transport);
+	input_file_close(&p.reused);
 	s->bake.drivers = NULL;
 	gw_drivers_release(&p.drivers);
 	gw_probes_destroy(&p.probes);

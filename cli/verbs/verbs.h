@@ -7,6 +7,10 @@
 
 #include "options/settings.h"
 
+/* Bytes that a point adds at least to a transport: its surfel, as the transport's blocks have it.
+ */
+#define TRANSPORT_BYTES 100u
+
 /* Reads, lights, writes. Changes the settings: reads scene files into them. */
 gw_status verb_bake(settings *settings, gw_error *error);
 

@@ -84,13 +84,8 @@ static gw_status load_transport(bake *b, gw_error *error)
 
 static gw_status save_transport(bake *b, gw_error *error)
 {
-	/* Whatever shone this time, a sky may the next time. */
-	gw_method method = b->scene.options.method;
-	GW_TRY(gw_method_keeps_hits(method) || method == GW_METHOD_BUFFERS
-			   ? gw_scene_open_to_sky(&b->scene, error)
-			   : GW_OK);
-	GW_TRY(gw_lighting_foresee(&b->light, error));
-	return gw_transport_save(&b->scene, b->points, b->scene.options.transport, error);
+	const gw_transport_identity of = gw_transport_identify(b->points);
+	return gw_transport_save(&b->light, &of, b->scene.options.transport, error);
 }
 
 static gw_status make_surfels(bake *b, gw_error *error)
@@ -235,14 +230,12 @@ static bool always(const bake *b)
 
 static bool has_transport(const bake *b)
 {
-	const gw_transport *transport = b->scene.options.transport;
-	return transport && transport->data;
+	return gw_transport_is_read(b->scene.options.transport);
 }
 
 static bool keeps_transport(const bake *b)
 {
-	const gw_transport *transport = b->scene.options.transport;
-	return transport && transport->write;
+	return gw_transport_is_written(b->scene.options.transport);
 }
 
 static bool needs_surface(const bake *b)

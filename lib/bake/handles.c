@@ -8,6 +8,7 @@
 #include "bake/record_fields.h"
 #include "bake/report.h"
 #include "bake/result.h"
+#include "bake/transport.h"
 #include "bake/volume_light.h"
 #include "bake/record_steps.h"
 #include "bake/options_check.h"
@@ -43,13 +44,25 @@ static gw_status end(gw_scene *scene, gw_status status, gw_error *error)
 
 /* -------------------------------------------------------------------------------------- scenes */
 
-/* All that any light may call for, as far as the options let it. */
+/* What an earlier scene of these points was, in place of all steps. */
+static gw_status load(gw_scene *scene, const gw_points *points, gw_error *error)
+{
+	GW_TRY(begin(scene, "transport", 0.01, 0.99, error));
+	return gw_transport_load(scene, points, scene->options.transport, error);
+}
+
+/* All that any light may call for, as far as the options let it; for a transport, that of any. */
 static gw_status prepare(gw_scene *scene, const gw_scene_description *from, gw_error *error)
 {
 	const gw_bake_options *o = &scene->options;
-	bool gathers = gw_plan_may_gather(o), traces = gw_plan_may_trace(o);
+	bool kept = gw_transport_is_written(o->transport);
+	bool gathers = kept || gw_plan_may_gather(o), traces = kept || gw_plan_may_trace(o);
 	GW_TRY(begin(scene, "device", 0.0, 0.01, error));
 	GW_TRY(gw_scene_open_device(scene, error));
+	if (kept)
+		scene->of = gw_transport_identify(from->points);
+	if (gw_transport_is_read(o->transport))
+		return load(scene, from->points, error);
 	GW_TRY(begin(scene, "surfels", 0.01, 0.45, error));
 	GW_TRY(gw_scene_make_surfels(scene, from, error));
 	GW_TRY(gw_region_ask(scene, error));
@@ -72,9 +85,6 @@ static gw_status check(const gw_scene_description *description, const gw_bake_op
 			error, GW_ERROR_USAGE,
 			"a scene keeps the settings that it was made with; it cannot be refined until "
 			"an error or a time is reached");
-	if (options->transport)
-		return gw_fail(error, GW_ERROR_USAGE,
-					   "a scene stays in memory; it cannot begin with a transport nor make one");
 	return GW_OK;
 }
 
@@ -343,6 +353,18 @@ gw_status gw_lighting_error(gw_lighting *lighting, gw_error_estimate *estimate, 
 	return status;
 }
 
+/* Keeps the scene with its first probes, where that is asked for. */
+static gw_status save(gw_lighting *lighting, gw_error *error)
+{
+	gw_scene *scene = lighting->scene;
+	const gw_transport *transport = scene->options.transport;
+	if (scene->saved || !gw_transport_is_written(transport))
+		return GW_OK;
+	GW_TRY(begin(scene, "save transport", 0.9, 0.1, error));
+	scene->saved = true;
+	return gw_transport_save(lighting, &scene->of, transport, error);
+}
+
 gw_status gw_probes_make(gw_lighting *lighting, const gw_probes_options *options,
 						 gw_probes **probes, gw_error *error)
 {
@@ -359,6 +381,8 @@ gw_status gw_probes_make(gw_lighting *lighting, const gw_probes_options *options
 	gw_status status = begin(scene, "probes", 0.0, 1.0, error);
 	if (status == GW_OK)
 		status = gw_lighting_probes(lighting, options, p, error);
+	if (status == GW_OK)
+		status = save(lighting, error);
 	status = end(scene, status, error);
 	if (status == GW_OK)
 		*probes = p;

@@ -9,7 +9,6 @@
 #include "base/parallel.h"
 #include "light/direct_light.h"
 #include "light/probe_cells.h"
-#include "light/probe_trace.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -120,8 +119,8 @@ static gw_status undo_light(const gw_scene *scene, gw_probes *probes, gw_error *
 	return GW_OK;
 }
 
-static gw_status trace(gw_lighting *lighting, const float *place, uint64_t seed, gw_probes *probes,
-					   gw_error *error)
+/* Lights what the rays of the scene's probes met. */
+static gw_status show(gw_lighting *lighting, gw_probes *probes, gw_error *error)
 {
 	gw_scene *scene = lighting->scene;
 	gw_buffer facets = { 0 };
@@ -129,33 +128,61 @@ static gw_status trace(gw_lighting *lighting, const float *place, uint64_t seed,
 	gw_probe_scene seen = { .passes = &scene->passes,
 							.octree = &scene->octree,
 							.facet_radiance = &facets,
-							.seed = (uint32_t)seed,
 							.threads = scene->options.threads };
 	GW_TRY(find_radiance(lighting, &facets, error));
 	gw_status status = open_sky(lighting, &texel, &seen.sky, error);
 	if (status == GW_OK)
-		status = gw_probes_trace(
-			&seen, place, gw_scene_metres(scene, (double)scene->octree.leaf_size), probes, error);
+		status = gw_probe_hits_show(&seen, &scene->probes.hits,
+									gw_scene_metres(scene, (double)scene->octree.leaf_size), probes,
+									error);
 	gw_view_close(&texel);
 	gw_buffer_destroy(scene->gpu, &facets);
 	return status == GW_OK ? undo_light(scene, probes, error) : status;
+}
+
+/* A scene that began with a transport has the probes that this has, and can place no others: not
+ * all of its surface is there. */
+static gw_status check_kept(const gw_scene *scene, const gw_probe_numbers *wanted, gw_error *error)
+{
+	const char *name = scene->options.transport->name;
+	double value[2];
+	if (scene->probes.numbers.count == 0)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "%s: this transport has no probes; save one where probes are placed", name);
+	const char *what = gw_probe_numbers_differ(&scene->probes.numbers, wanted, value);
+	if (what == NULL)
+		return GW_OK;
+	return gw_fail(error, GW_ERROR_USAGE,
+				   "%s: the %s of this transport is %g and that of these probes %g; they have to "
+				   "be the same (0 stands for as many as it takes, or none)",
+				   name, what, value[0], value[1]);
+}
+
+/* Sees to it that the scene has the probes that are asked for. */
+static gw_status find_probes(gw_scene *scene, const gw_probes_options *options, gw_error *error)
+{
+	const gw_probe_numbers wanted = gw_probe_numbers_of(options, scene->units.length);
+	double value[2];
+	if (gw_transport_is_read(scene->options.transport))
+		return check_kept(scene, &wanted, error);
+	if (scene->probes.numbers.count > 0 &&
+		gw_probe_numbers_differ(&scene->probes.numbers, &wanted, value) == NULL)
+		return GW_OK;
+	gw_placed_probes_clear(&scene->probes);
+	GW_TRY(gw_scene_find_compartments(scene, error));
+	return gw_scene_place_probes(scene, options, false, &scene->probes, error);
 }
 
 gw_status gw_lighting_probes(gw_lighting *lighting, const gw_probes_options *options,
 							 gw_probes *probes, gw_error *error)
 {
 	gw_scene *scene = lighting->scene;
-	gw_probe_placing p = { .scene = scene, .options = options };
 	if (scene->octree.leaf_count == 0)
 		return gw_fail(
 			error, GW_ERROR_USAGE,
 			"the scene has no octree, which probes are traced through; force that effect");
-	GW_TRY(gw_scene_find_compartments(scene, error));
-	gw_status status = gw_probe_placing_run(&p, probes, error);
-	if (status == GW_OK)
-		status = trace(lighting, p.places.place, options->seed, probes, error);
-	if (status == GW_OK)
-		status = gw_probe_cells_find(probes, scene->options.threads, error);
-	gw_probe_placing_end(&p);
-	return status;
+	GW_TRY(find_probes(scene, options, error));
+	GW_TRY(gw_scene_describe_probes(scene, &scene->probes, false, probes, error));
+	GW_TRY(show(lighting, probes, error));
+	return gw_probe_cells_find(probes, scene->options.threads, error);
 }

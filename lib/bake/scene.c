@@ -387,6 +387,7 @@ void gw_scene_drop_records(gw_scene *scene)
 void gw_scene_drop_octree(gw_scene *scene)
 {
 	gw_scene_drop_records(scene);
+	gw_placed_probes_clear(&scene->probes);
 	if (scene->passes.gpu)
 		gw_passes_destroy(&scene->passes);
 	scene->passes = (gw_passes){ 0 };

@@ -22,6 +22,7 @@
 #include "light/read_back.h"
 #include "light/volume_places.h"
 #include "surfels/scanned_space.h"
+#include "bake/placed_probes.h"
 #include "bake/scaled_scene.h"
 
 /* What a bake of a region needs (region.h). All zero: everything is lit. */
@@ -43,6 +44,22 @@ typedef struct gw_scene_stage {
 	double asked;        /* when was last asked whether to stop */
 	bool stopped;        /* the answer was yes */
 } gw_scene_stage;
+
+/* What a transport is of: a hash each. */
+typedef struct gw_transport_identity {
+	uint64_t position, normal, albedo, opacity, scanner, stray, emission, area;
+} gw_transport_identity;
+
+/* Whether a scene begins with it, and whether it is to be written. NULL: neither. */
+static inline bool gw_transport_is_read(const gw_transport *transport)
+{
+	return transport && transport->data;
+}
+
+static inline bool gw_transport_is_written(const gw_transport *transport)
+{
+	return transport && transport->write;
+}
 
 /* What gw_scene of glowworm.h is. */
 struct gw_scene {
@@ -76,6 +93,7 @@ struct gw_scene {
 	double turn; /* of surfels' normals from those of their records: gw_read_back_turn; 0 where that
 					was not asked for, or is noise */
 	gw_check_point_hits check_points; /* what the points see that estimates solve again */
+	gw_placed_probes probes;          /* the last that were placed in it, in whatever light */
 	gw_portals portals;               /* looked for when a sky first shines */
 	gw_records further;               /* places of records that were added and are not in it yet */
 	gw_ray_gather further_rays;       /* and their hits */
@@ -89,11 +107,13 @@ struct gw_scene {
 	uint64_t traced;             /* rays of records that were traced, the last time */
 
 	/* For scenes that are lit by those who made them (handles.c). */
-	gw_report *own_report;  /* owned: report */
-	gw_report prepared;     /* what of it is so for every lighting */
-	gw_scaled_scene units;  /* in which all is reckoned */
-	uint64_t emissions;     /* how often the points were given other emission */
-	const gw_lighting *lit; /* whose light is in the records; not owned, maybe gone */
+	gw_report *own_report;    /* owned: report */
+	gw_report prepared;       /* what of it is so for every lighting */
+	gw_scaled_scene units;    /* in which all is reckoned */
+	gw_transport_identity of; /* the points of one that is to be written, */
+	bool saved;               /* and whether it was */
+	uint64_t emissions;       /* how often the points were given other emission */
+	const gw_lighting *lit;   /* whose light is in the records; not owned, maybe gone */
 };
 
 /* Records of the scene, for the steps of light/. */

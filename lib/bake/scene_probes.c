@@ -8,7 +8,7 @@
 #include "glowworm_host.h"
 #include "light/octahedral.h"
 #include "light/probe_cells.h"
-#include "light/probe_trace.h"
+#include "light/probe_places.h"
 #include "octree/compartments.h"
 
 #include <math.h>
@@ -35,7 +35,20 @@
  * the longest side. */
 #define OPEN_MARGIN 0.25f
 
-static gw_status open_room(gw_probe_placing *p, gw_error *error)
+/* All that lasts as long as probes are placed. */
+typedef struct placing {
+	gw_scene *scene;
+	const gw_probes_options *options;
+	gw_neighbours *search;
+	gw_free_ball *ball;
+	size_t ball_count;
+	gw_sight_places chosen_by, looked_at;
+	gw_free_ball_task room;
+	gw_probe_places places;
+	bool in_grid; /* they are wanted in grid coordinates, to light records by */
+} placing;
+
+static gw_status open_room(placing *p, gw_error *error)
 {
 	gw_scene *scene = p->scene;
 	const gw_surfels *s = &scene->surfels;
@@ -56,7 +69,7 @@ static gw_status open_room(gw_probe_placing *p, gw_error *error)
 }
 
 /* Lets places lie outside of the bounds. */
-static void widen(gw_probe_placing *p)
+static void widen(placing *p)
 {
 	const gw_surfels *s = &p->scene->surfels;
 	float longest = 0.0f;
@@ -68,7 +81,7 @@ static void widen(gw_probe_placing *p)
 	}
 }
 
-static gw_status find_balls(gw_probe_placing *p, gw_error *error)
+static gw_status find_balls(placing *p, gw_error *error)
 {
 	gw_scene *scene = p->scene;
 	GW_TRY(gw_free_balls_find(&p->room, &p->ball, &p->ball_count, error));
@@ -86,7 +99,7 @@ static gw_status find_balls(gw_probe_placing *p, gw_error *error)
 		ldexp((double)p->room.least, -scene->units.length));
 }
 
-static gw_status choose(gw_probe_placing *p, gw_error *error)
+static gw_status choose(placing *p, gw_error *error)
 {
 	gw_scene *scene = p->scene;
 	gw_probe_task task = { .sight = { &scene->passes, &scene->octree, &p->chosen_by },
@@ -117,7 +130,7 @@ static gw_status choose(gw_probe_placing *p, gw_error *error)
 
 /* Middles of the cells of a regular grid over the bounds, but for those at the surface or behind
  * it. */
-static gw_status choose_grid(gw_probe_placing *p, gw_error *error)
+static gw_status choose_grid(placing *p, gw_error *error)
 {
 	const gw_octree *o = &p->scene->octree;
 	const uint32_t side = p->options->grid;
@@ -147,7 +160,7 @@ static gw_status choose_grid(gw_probe_placing *p, gw_error *error)
 }
 
 /* The share of the surface that is seen, at spots that nobody chose by. */
-static gw_status measure(gw_probe_placing *p, double *seen, gw_error *error)
+static gw_status measure(placing *p, double *seen, gw_error *error)
 {
 	gw_scene *scene = p->scene;
 	const gw_sight sight = { &scene->passes, &scene->octree, &p->looked_at };
@@ -173,7 +186,7 @@ static gw_status measure(gw_probe_placing *p, double *seen, gw_error *error)
 /* The maps have to fit into what the scene may use, or else into what is free. */
 static gw_status check_room(const gw_scene *scene, size_t count, uint32_t size, gw_error *error)
 {
-	const uint64_t texels = (uint64_t)size * size, floats = 7 * texels + 2 * (texels / 3);
+	const uint64_t texels = (uint64_t)size * size, floats = 9 * texels + 2 * (texels / 3);
 	const uint64_t bytes = count * floats * sizeof(float);
 	const uint64_t room = scene->options.memory > 0 ? scene->options.memory : gw_available_memory();
 	if (room == 0 || bytes <= room)
@@ -211,45 +224,68 @@ double gw_scene_metres(const gw_scene *scene, double length)
 }
 
 /* The same of probes that stay in grid coordinates. */
-static void describe_in_grid(const gw_probe_placing *p, gw_probes *probes)
+static void describe_in_grid(const gw_scene *scene, const gw_placed_probes *placed,
+							 gw_probes *probes)
 {
-	const gw_octree *o = &p->scene->octree;
+	const gw_octree *o = &scene->octree;
+	const gw_probe_numbers *n = &placed->numbers;
 	for (size_t i = 0; i < probes->count; i++)
 		for (size_t k = 0; k < 3; k++)
-			probes->probe[i].position[k] = (double)p->places.place[4 * i + k];
+			probes->probe[i].position[k] = (double)placed->hits.place[4 * i + k];
 	for (int k = 0; k < 3; k++) {
-		probes->minimum[k] = (double)((p->room.minimum[k] - o->cube_minimum[k]) / o->leaf_size);
-		probes->maximum[k] = (double)((p->room.maximum[k] - o->cube_minimum[k]) / o->leaf_size);
+		probes->minimum[k] = (double)((n->minimum[k] - o->cube_minimum[k]) / o->leaf_size);
+		probes->maximum[k] = (double)((n->maximum[k] - o->cube_minimum[k]) / o->leaf_size);
 	}
 }
 
-/* What is known of the probes before they are traced. */
-static void describe(const gw_probe_placing *p, gw_probes *probes)
+/* A place in grid coordinates, in the surfels' frame. */
+static void leave_grid(const gw_octree *o, const float *place, float at[3])
 {
-	const gw_scene *scene = p->scene;
-	const gw_octree *o = &scene->octree;
-	probes->seeable = p->places.seeable;
-	probes->candidates = p->ball_count;
-	probes->first = p->places.first;
+	for (int k = 0; k < 3; k++)
+		at[k] = o->cube_minimum[k] + place[k] * o->leaf_size;
+}
+
+/* What is known of the probes without their maps. */
+static void describe(const gw_scene *scene, const gw_placed_probes *placed, gw_probes *probes)
+{
+	const gw_probe_numbers *n = &placed->numbers;
+	const double *origin = scene->surfels.origin;
+	probes->seeable = n->seeable;
+	probes->seen = n->seen;
+	probes->candidates = (size_t)n->candidates;
+	probes->first = (size_t)n->first;
 	for (size_t i = 0; i < probes->count; i++) {
-		float place[3];
-		for (int k = 0; k < 3; k++) {
-			place[k] = o->cube_minimum[k] + p->places.place[4 * i + (size_t)k] * o->leaf_size;
-			probes->probe[i].position[k] =
-				gw_scene_metres(scene, scene->surfels.origin[k] + (double)place[k]);
-		}
-		probes->probe[i].radius =
-			(float)gw_scene_metres(scene, (double)gw_free_distance(p->search, place));
+		float at[3];
+		leave_grid(&scene->octree, placed->hits.place + 4 * i, at);
+		for (int k = 0; k < 3; k++)
+			probes->probe[i].position[k] = gw_scene_metres(scene, origin[k] + (double)at[k]);
+		probes->probe[i].radius = (float)gw_scene_metres(scene, (double)placed->radius[i]);
 	}
 	for (int k = 0; k < 3; k++) {
-		const double origin = scene->surfels.origin[k];
-		probes->minimum[k] = gw_scene_metres(scene, origin + (double)p->room.minimum[k]);
-		probes->maximum[k] = gw_scene_metres(scene, origin + (double)p->room.maximum[k]);
+		probes->minimum[k] = gw_scene_metres(scene, origin[k] + (double)n->minimum[k]);
+		probes->maximum[k] = gw_scene_metres(scene, origin[k] + (double)n->maximum[k]);
 	}
 }
 
-gw_status gw_probe_placing_run(gw_probe_placing *p, gw_probes *probes, gw_error *error)
+gw_status gw_scene_describe_probes(const gw_scene *scene, const gw_placed_probes *placed,
+								   bool in_grid, gw_probes *probes, gw_error *error)
 {
+	GW_TRY(check_room(scene, placed->hits.count, placed->hits.size, error));
+	GW_TRY(allocate(placed->hits.count, placed->hits.size, probes, error));
+	if (in_grid)
+		describe_in_grid(scene, placed, probes);
+	else
+		describe(scene, placed, probes);
+	return GW_OK;
+}
+
+/* ------------------------------------------------------------------------------ placing them */
+
+/* Finds places; how much of the surface is seen from them is looked at where they are not for
+ * records. */
+static gw_status find_places(placing *p, gw_placed_probes *placed, gw_error *error)
+{
+	gw_probe_numbers *n = &placed->numbers;
 	GW_TRY(open_room(p, error));
 	if (p->options->grid > 0) {
 		GW_TRY(choose_grid(p, error));
@@ -258,19 +294,47 @@ gw_status gw_probe_placing_run(gw_probe_placing *p, gw_probes *probes, gw_error 
 		GW_TRY(choose(p, error));
 	}
 	GW_TRY(check_room(p->scene, p->places.count, p->options->size, error));
-	GW_TRY(allocate(p->places.count, p->options->size, probes, error));
-	if (p->in_grid) {
-		describe_in_grid(p, probes);
-		return GW_OK;
-	}
-	describe(p, probes);
-	GW_TRY(measure(p, &probes->seen, error));
-	if (p->options->grid > 0)
-		probes->seeable = probes->seen;
+	if (!p->in_grid)
+		GW_TRY(measure(p, &n->seen, error));
+	n->count = p->places.count;
+	n->seeable = p->options->grid > 0 ? n->seen : p->places.seeable;
+	n->candidates = p->ball_count;
+	n->first = p->places.first;
+	memcpy(n->minimum, p->room.minimum, sizeof n->minimum);
+	memcpy(n->maximum, p->room.maximum, sizeof n->maximum);
 	return GW_OK;
 }
 
-void gw_probe_placing_end(gw_probe_placing *p)
+/* How far from all surfels the probes are. */
+static gw_status find_radii(placing *p, gw_placed_probes *placed, gw_error *error)
+{
+	placed->radius = gw_allocate_array(p->places.count, sizeof *placed->radius);
+	if (!placed->radius)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %u probes", p->places.count);
+	for (size_t i = 0; i < p->places.count; i++) {
+		float at[3];
+		leave_grid(&p->scene->octree, p->places.place + 4 * i, at);
+		placed->radius[i] = gw_free_distance(p->search, at);
+	}
+	return GW_OK;
+}
+
+/* What is seen from the places that were found. */
+static gw_status trace(placing *p, gw_placed_probes *placed, gw_error *error)
+{
+	gw_scene *scene = p->scene;
+	const gw_probe_scene seen = { .passes = &scene->passes,
+								  .octree = &scene->octree,
+								  .seed = (uint32_t)p->options->seed,
+								  .threads = scene->options.threads };
+	placed->hits = (gw_probe_hits){ .count = p->places.count,
+									.size = p->options->size,
+									.place = p->places.place };
+	p->places.place = NULL;
+	return gw_probe_hits_trace(&seen, &placed->hits, error);
+}
+
+static void end_placing(placing *p)
 {
 	gw_probe_places_clear(&p->places);
 	gw_sight_places_clear(p->scene->gpu, &p->chosen_by);
@@ -279,28 +343,47 @@ void gw_probe_placing_end(gw_probe_placing *p)
 	free(p->ball);
 }
 
-/* Which facets the maps show; radiance is that of the facets, at every bounce. */
-static gw_status trace_facets(gw_scene *scene, const float *place, gw_probe_maps *maps,
-							  gw_error *error)
+gw_status gw_scene_place_probes(gw_scene *scene, const gw_probes_options *options, bool in_grid,
+								gw_placed_probes *placed, gw_error *error)
 {
-	const size_t texels = maps->probes->count * maps->probes->size * maps->probes->size;
-	maps->facet = gw_allocate_array(texels, sizeof *maps->facet);
-	if (!maps->facet)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the maps of %zu probes",
-					   maps->probes->count);
+	placing p = { .scene = scene, .options = options, .in_grid = in_grid };
+	*placed = (gw_placed_probes){ .numbers = gw_probe_numbers_of(options, scene->units.length) };
+	gw_status status = find_places(&p, placed, error);
+	if (status == GW_OK && !in_grid)
+		status = find_radii(&p, placed, error);
+	if (status == GW_OK)
+		status = trace(&p, placed, error);
+	end_placing(&p);
+	if (status != GW_OK)
+		gw_placed_probes_clear(placed);
+	return status;
+}
+
+/* -------------------------------------------------------------------------------- for records */
+
+/* Maps without light, and which facets they show. */
+static gw_status show(gw_scene *scene, gw_placed_probes *placed, gw_probe_maps *maps,
+					  gw_error *error)
+{
 	const gw_probe_scene seen = { .passes = &scene->passes,
 								  .octree = &scene->octree,
-								  .facet = maps->facet,
-								  .seed = (uint32_t)scene->options.seed,
 								  .threads = scene->options.threads };
-	GW_TRY(gw_probes_trace(&seen, place, 1.0, maps->probes, error));
+	const gw_probe_hits *hits = &placed->hits;
+	const size_t texels = hits->count * hits->size * hits->size;
+	GW_TRY(gw_scene_describe_probes(scene, placed, true, maps->probes, error));
+	GW_TRY(gw_probe_hits_show(&seen, hits, 1.0, maps->probes, error));
+	for (size_t i = 0; i < texels; i++)
+		if (hits->facet[i] >= 2 * scene->octree.leaf_count)
+			hits->facet[i] = GW_NONE;
+	maps->facet = placed->hits.facet;
+	placed->hits.facet = NULL;
 	return gw_probe_cells_find(maps->probes, scene->options.threads, error);
 }
 
 gw_status gw_scene_probe_maps(gw_scene *scene, gw_probe_maps *maps, gw_error *error)
 {
 	gw_probes_options options = gw_probes_options_default();
-	gw_probe_placing p = { .scene = scene, .options = &options, .in_grid = true };
+	gw_placed_probes placed = { .radius = NULL };
 	*maps = (gw_probe_maps){ .probes = gw_allocate_zeros(1, sizeof *maps->probes) };
 	if (!maps->probes)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for probes");
@@ -309,10 +392,10 @@ gw_status gw_scene_probe_maps(gw_scene *scene, gw_probe_maps *maps, gw_error *er
 	gw_status status = gw_compartments_find(scene->gpu, &scene->surfels, scene->options.threads,
 											&scene->octree, error);
 	if (status == GW_OK)
-		status = gw_probe_placing_run(&p, maps->probes, error);
+		status = gw_scene_place_probes(scene, &options, true, &placed, error);
 	if (status == GW_OK)
-		status = trace_facets(scene, p.places.place, maps, error);
-	gw_probe_placing_end(&p);
+		status = show(scene, &placed, maps, error);
+	gw_placed_probes_clear(&placed);
 	if (status != GW_OK)
 		gw_probe_maps_clear(maps);
 	return status;

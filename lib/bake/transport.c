@@ -2,7 +2,9 @@
  * transport.c - see transport.h.
  */
 #include "bake/transport.h"
+#include "bake/lighting_error.h"
 #include "bake/plan.h"
+#include "bake/scene_records.h"
 
 #include "light/direct_light.h"
 #include "base/hash.h"
@@ -19,15 +21,10 @@
 #include <string.h>
 
 #define MAGIC "glowworm transport\n"
-#define VERSION 17u
+#define VERSION 18u
 
 /* Blocks are read and checked in chunks, by all threads. */
 #define CHUNK_BYTES (UINT64_C(1) << 20)
-
-/* What was baked: a hash each. */
-typedef struct identity {
-	uint64_t position, normal, albedo, opacity, scanner, stray, emission, area;
-} identity;
 
 /* Settings that change what a transport holds. */
 typedef struct fixed_settings {
@@ -39,7 +36,7 @@ typedef struct head {
 	char magic[24];
 	uint32_t version, head_bytes;
 	uint64_t length; /* of the whole */
-	identity identity;
+	gw_transport_identity identity;
 	fixed_settings settings;
 	gw_transport_numbers numbers;
 	uint64_t hash; /* of what stands before it */
@@ -58,7 +55,7 @@ static uint64_t hash_array(const void *values, size_t count, size_t size)
 	return values ? gw_hash(1, values, count * size) : 0;
 }
 
-static identity identify(const gw_points *p)
+gw_transport_identity gw_transport_identify(const gw_points *p)
 {
 	uint64_t scanner = hash_array(p->scanner, p->scanner_count, 3 * sizeof *p->scanner);
 	for (size_t i = 0; i < p->image_count; i++) {
@@ -68,7 +65,7 @@ static identity identify(const gw_points *p)
 		scanner = gw_hash(scanner, image->scanner, sizeof image->scanner);
 	}
 	scanner ^= hash_array(p->image_count ? p->image_cell : NULL, p->count, sizeof *p->image_cell);
-	return (identity){
+	return (gw_transport_identity){
 		.position = hash_array(p->position, p->count, 3 * sizeof *p->position),
 		.normal = hash_array(p->normal, p->count, 3 * sizeof *p->normal),
 		.albedo = hash_array(p->albedo, p->count, 3 * sizeof *p->albedo),
@@ -154,8 +151,8 @@ static gw_status write_block(gw_scene *scene, const gw_transport_block *block,
 	return status;
 }
 
-gw_status gw_transport_save(gw_scene *scene, const gw_points *points, const gw_transport *transport,
-							gw_error *error)
+static gw_status write_scene(gw_scene *scene, const gw_transport_identity *points,
+							 const gw_transport *transport, gw_error *error)
 {
 	gw_transport_block blocks[GW_TRANSPORT_BLOCKS];
 	uint64_t hash = 0;
@@ -168,7 +165,7 @@ gw_status gw_transport_save(gw_scene *scene, const gw_points *points, const gw_t
 	memcpy(h.magic, MAGIC, sizeof MAGIC);
 	h.version = VERSION;
 	h.head_bytes = sizeof h;
-	h.identity = identify(points);
+	h.identity = *points;
 	h.settings = settle(&scene->options);
 	h.numbers = gw_transport_numbers_of(scene);
 	size_t count = gw_transport_list(scene, &h.numbers, blocks);
@@ -179,6 +176,18 @@ gw_status gw_transport_save(gw_scene *scene, const gw_points *points, const gw_t
 	for (size_t i = 0; i < count; i++)
 		GW_TRY(write_block(scene, &blocks[i], transport, &hash, error));
 	return transport->write(transport->user, &hash, sizeof hash, error);
+}
+
+gw_status gw_transport_save(gw_lighting *lighting, const gw_transport_identity *points,
+							const gw_transport *transport, gw_error *error)
+{
+	/* Whatever shone this time, a sky may the next time. */
+	gw_scene *scene = lighting->scene;
+	gw_method method = scene->options.method;
+	if (gw_method_keeps_hits(method) || method == GW_METHOD_BUFFERS)
+		GW_TRY(gw_scene_open_to_sky(scene, error));
+	GW_TRY(gw_lighting_foresee(lighting, error));
+	return write_scene(scene, points, transport, error);
 }
 
 /* ----------------------------------------------------------------------------------- loading */
@@ -205,10 +214,11 @@ static gw_status read_head(const gw_transport *t, head *h, gw_error *error)
 	return GW_OK;
 }
 
-static gw_status check_points(const gw_transport *t, const head *h, const identity *own,
-							  const gw_points *points, gw_error *error)
+static gw_status check_points(const gw_transport *t, const head *h,
+							  const gw_transport_identity *own, const gw_points *points,
+							  gw_error *error)
 {
-	const identity *kept = &h->identity;
+	const gw_transport_identity *kept = &h->identity;
 	const char *what = h->numbers.points != points->count ? "another number of points"
 					   : kept->position != own->position  ? "other positions"
 					   : kept->normal != own->normal      ? "other normals"
@@ -420,7 +430,8 @@ static gw_status read_blocks(gw_scene *scene, const gw_transport *t, const head 
 	if (!fits)
 		return damaged(t, "this transport is damaged", error);
 	GW_TRY(take_blocks(scene, t, &all, error));
-	if (!tree_fits(scene, &all) || !rows_fit(scene, &h->numbers))
+	if (!tree_fits(scene, &all) || !rows_fit(scene, &h->numbers) ||
+		!gw_placed_probes_fit(&scene->probes))
 		return damaged(t, "this transport is damaged", error);
 	return GW_OK;
 }
@@ -430,7 +441,7 @@ gw_status gw_transport_load(gw_scene *scene, const gw_points *points, const gw_t
 {
 	head h;
 	GW_TRY(read_head(transport, &h, error));
-	const identity own = identify(points);
+	const gw_transport_identity own = gw_transport_identify(points);
 	GW_TRY(check_points(transport, &h, &own, points, error));
 	GW_TRY(check_settings(transport, &h, &scene->options, error));
 	GW_TRY(read_blocks(scene, transport, &h, error));

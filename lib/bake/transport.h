@@ -13,17 +13,26 @@
  * Head and blocks are filled up with zeros to multiples of GW_LENT_ALIGNMENT bytes, so that a
  * device that is the host can use the blocks where they lie, as in a file that is mapped.
  *
+ * Probes are among them where some were placed (placed_probes.h).
+ *
  * Every length follows from the head, so the whole is refused before anything is allocated when its
  * length differs. Indices are checked, so that no bytes make a pass or a loop leave its arrays.
  */
 #ifndef TRANSPORT_H
 #define TRANSPORT_H
 
-#include "bake/scene.h"
+#include "bake/lighting.h"
 
-/* Writes the scene of these points with transport->write. Its records have to be placed. */
-gw_status gw_transport_save(gw_scene *scene, const gw_points *points, const gw_transport *transport,
-							gw_error *error);
+/* What points are told from others by. */
+gw_transport_identity gw_transport_identify(const gw_points *points);
+
+/*
+ * Writes the scene of a lighting with transport->write. Its records have to be placed; what other
+ * light may need of it is found first.
+ *   points   those of the scene
+ */
+gw_status gw_transport_save(gw_lighting *lighting, const gw_transport_identity *points,
+							const gw_transport *transport, gw_error *error);
 
 /*
  * Fills a scene whose device is open from transport->data, in place of the steps that make

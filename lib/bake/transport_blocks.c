@@ -22,18 +22,18 @@
 #define NOISY 1u         /* shading normals */
 #define OFF 2u           /* how far normals are off */
 #define POINTS_ALBEDO 4u /* of points that share surfels */
-#define CUT 8u           /* discs are, of which a coarser octree is made */
+#define CUT 8u           /* discs are, of which a coarser octree is made or which are large */
 #define BENT 16u         /* bends of discs, for the estimated error as well */
 #define CREASED 32u      /* discs are, of which a coarser octree is made */
 #define MOMENTS 64u      /* of what emitters brought to the records */
 
-/* What of discs an octree takes that is made from the surfels again. */
+/* What of discs an octree takes that is made from the surfels again, and what lamps do that shine
+ * on large ones. */
 static uint32_t discs_of(const gw_scene *scene)
 {
 	const gw_surfels *s = &scene->surfels;
-	if (!s->clip || !gw_compartments_are_coarser(&scene->octree, s))
-		return 0;
-	return CUT | (s->creased ? CREASED : 0);
+	bool again = s->clip && gw_compartments_are_coarser(&scene->octree, s);
+	return (again || scene->octree.tree_discs > 0 ? CUT : 0) | (again && s->creased ? CREASED : 0);
 }
 
 gw_transport_numbers gw_transport_numbers_of(const gw_scene *scene)
@@ -81,6 +81,7 @@ gw_transport_numbers gw_transport_numbers_of(const gw_scene *scene)
 	n.dark_slot = o->dark_slot;
 	n.wanted_leaf_size = o->wanted_leaf_size;
 	snprintf(n.why_coarser, sizeof n.why_coarser, "%s", o->why_coarser);
+	n.probes = scene->probes.numbers;
 	memcpy(n.origin, s->origin, sizeof n.origin);
 	memcpy(n.minimum, s->minimum, sizeof n.minimum);
 	memcpy(n.maximum, s->maximum, sizeof n.maximum);
@@ -97,12 +98,14 @@ bool gw_transport_numbers_fit(const gw_transport_numbers *n)
 	for (int k = 0; k < 3; k++)
 		if (!isfinite(n->origin[k]) || !isfinite(n->cube_minimum[k]))
 			return false;
-	return n->surfels > 0 && n->tree_discs <= n->surfels && n->surfels <= 2 * n->points &&
-		   n->points <= POINTS_MAX && n->strays <= n->points && n->depth >= 1 &&
-		   n->depth <= GW_DEPTH_MAX && n->directory_level == directory && n->rays > 0 &&
-		   n->rays <= 4096 && (uint64_t)n->rays * n->records <= UINT32_MAX && n->emits <= 2 &&
-		   n->looked <= 1 && n->portals <= GW_PORTALS_MOST && n->opened == (n->portals > 0) &&
+	return gw_probe_numbers_fit(&n->probes) && n->surfels > 0 && n->tree_discs <= n->surfels &&
+		   n->surfels <= 2 * n->points && n->points <= POINTS_MAX && n->strays <= n->points &&
+		   n->depth >= 1 && n->depth <= GW_DEPTH_MAX && n->directory_level == directory &&
+		   n->rays > 0 && n->rays <= 4096 && (uint64_t)n->rays * n->records <= UINT32_MAX &&
+		   n->emits <= 2 && n->looked <= 1 && n->portals <= GW_PORTALS_MOST &&
+		   n->opened == (n->portals > 0) &&
 		   n->optional <= (NOISY | OFF | POINTS_ALBEDO | CUT | BENT | CREASED | MOMENTS) &&
+		   (n->tree_discs == 0 || n->optional & CUT) &&
 		   (!(n->optional & MOMENTS) || n->light_samples > 0) && n->check_points <= n->surfels &&
 		   n->check_point_rays <= 4096 &&
 		   n->check_points_lit <= (n->emits == 1 && n->check_points > 0) &&
@@ -146,6 +149,7 @@ void gw_transport_numbers_restore(const gw_transport_numbers *n, gw_scene *scene
 		(gw_portals){ .looked = n->looked, .count = n->portals, .escaped = n->escaped };
 	scene->check_points =
 		(gw_check_point_hits){ .count = n->check_points, .rays = n->check_point_rays };
+	gw_probe_numbers_restore(&n->probes, &scene->probes);
 	scene->read_back = (gw_read_back){ .count = (size_t)n->surfels };
 	memcpy(s->origin, n->origin, sizeof n->origin);
 	memcpy(s->minimum, n->minimum, sizeof n->minimum);
@@ -315,6 +319,19 @@ static void list_check_points(list *l, gw_scene *scene, const gw_transport_numbe
 		host(l, "light of emitters there", &p->emitted, 16 * gathers);
 }
 
+static void list_probes(list *l, gw_scene *scene, const gw_transport_numbers *n)
+{
+	gw_probe_hits *h = &scene->probes.hits;
+	const uint64_t probes = n->probes.count, size = n->probes.size;
+	if (probes == 0)
+		return;
+	host(l, "places of probes", &h->place, 16 * probes);
+	host(l, "free space about probes", &scene->probes.radius, 4 * probes);
+	index_below(host(l, "what probes see", &h->facet, 4 * probes * size * size), 0,
+				2 * (uint64_t)n->leaves + 1, UINT32_MAX, 1);
+	host(l, "how far that is from them", &h->distance, 4 * probes * size * size);
+}
+
 size_t gw_transport_list(gw_scene *scene, const gw_transport_numbers *numbers,
 						 gw_transport_block blocks[GW_TRANSPORT_BLOCKS])
 {
@@ -324,6 +341,7 @@ size_t gw_transport_list(gw_scene *scene, const gw_transport_numbers *numbers,
 	list_leaves(&l, &scene->octree, numbers);
 	list_records(&l, scene, numbers);
 	list_check_points(&l, scene, numbers);
+	list_probes(&l, scene, numbers);
 	if (numbers->light_samples)
 		device(&l, "light of emitters", &scene->sampled, 16 * (uint64_t)numbers->records);
 	if (numbers->optional & MOMENTS)

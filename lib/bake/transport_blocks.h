@@ -31,6 +31,7 @@ typedef struct gw_transport_numbers {
 	uint32_t dark_slot;        /* of gw_octree; 0: all is opaque */
 	float wanted_leaf_size;    /* likewise, as the next */
 	char why_coarser[GW_OCTREE_WHY];
+	gw_probe_numbers probes; /* that were placed */
 } gw_transport_numbers;
 
 /* One array. */
@@ -45,7 +46,7 @@ typedef struct gw_transport_block {
 	uint32_t step;  /* in words, from one index to the next */
 } gw_transport_block;
 
-#define GW_TRANSPORT_BLOCKS 60u
+#define GW_TRANSPORT_BLOCKS 64u
 
 gw_transport_numbers gw_transport_numbers_of(const gw_scene *scene);
 

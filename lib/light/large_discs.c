@@ -116,7 +116,7 @@ static gw_status search_places(search *s, gw_disc *disc, gw_error *error)
 	const gw_surfels *surfels = s->cloud->surfels;
 	const gw_disc_shape shape = gw_octree_disc_shape(s->cloud->octree);
 	gw_large_discs *f = s->found;
-	f->surfel = gw_allocate_array(f->count, sizeof *f->surfel);
+	f->surfel = gw_allocate_zeros(f->count, sizeof *f->surfel);
 	f->first = gw_allocate_array(f->count + 1, sizeof *f->first);
 	f->more = gw_allocate_zeros(f->count, 3 * sizeof *f->more);
 	if (!f->surfel || !f->first || !f->more || !disc || !s->met)
@@ -139,7 +139,7 @@ static gw_status find_in(const gw_lit_cloud *cloud, const gw_disc_tree *tree, gw
 	search s = { .cloud = cloud, .tree = tree, .found = discs };
 	s.rays = rays < RAYS_A_DISC ? rays : RAYS_A_DISC;
 	discs->count = tree->discs;
-	gw_disc *disc = gw_allocate_array(discs->count, sizeof *disc);
+	gw_disc *disc = gw_allocate_zeros(discs->count, sizeof *disc);
 	s.met = gw_allocate_zeros(discs->count, s.rays);
 	gw_status status = search_places(&s, disc, error);
 	free(s.met);

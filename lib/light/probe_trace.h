@@ -1,6 +1,6 @@
 /*
  * probe_trace.h - what probes see: octahedral maps of radiance, normals and distances (Wang 2018,
- * section 4.3), traced through the octree.
+ * section 4.3). What rays meet in the octree is traced once, and shown in any light.
  */
 #ifndef PROBE_TRACE_H
 #define PROBE_TRACE_H
@@ -9,24 +9,41 @@
 #include "light/sky_map.h"
 #include "octree/octree_bindings.h"
 
+/* What the rays of probes met, whatever light shines there. */
+typedef struct gw_probe_hits {
+	size_t count;    /* of probes */
+	uint32_t size;   /* texels a side of their maps */
+	float *place;    /* 4 a probe: grid coordinates, and 0 */
+	uint32_t *facet; /* a texel: GW_NONE where nothing is, and twice the leaves where rays slipped
+						through rock and nobody knows what is there: it counts as dark and far */
+	float *distance; /* a texel: leaf cells, where a facet is */
+} gw_probe_hits;
+
+/* Of a scene, what is traced, and what is shown. */
 typedef struct gw_probe_scene {
 	gw_passes *passes;
 	const gw_octree *octree;
 	/* Texel buffer, vec4 a facet: what facets send out. NULL: maps of radiance stay dark. */
 	const gw_buffer *facet_radiance;
-	uint32_t *facet; /* NULL, or receives the facet of each texel of all maps, GW_NONE for none */
 	gw_sky_view sky; /* what comes from where nothing is */
 	uint32_t seed, threads;
 } gw_probe_scene;
 
 /*
- * Traces the maps of probes, and makes harmonics, least and greatest distances of them. A ray
- * that has slipped through rock, out of a compartment that is closed or to surface in another one
- * (compartments.h), takes what a texel beside it met; where all rays of a probe have, it sees none.
- *   place    4 * probes->count: grid coordinates, and 0
- *   probes   with room for all maps; distances are in leaf cells times `metres`
+ * Traces the texels of probes. A ray that has slipped through rock, out of a compartment that is
+ * closed or to surface in another one (compartments.h), takes what a texel beside it met; where all
+ * rays of a probe have, it sees none.
+ *   hits   count, size and places given; receives the rest, in part on failure
  */
-gw_status gw_probes_trace(const gw_probe_scene *scene, const float *place, double metres,
-						  gw_probes *probes, gw_error *error);
+gw_status gw_probe_hits_trace(const gw_probe_scene *scene, gw_probe_hits *hits, gw_error *error);
+void gw_probe_hits_clear(gw_probe_hits *hits); /* empty ones are accepted */
+
+/*
+ * Makes the maps of probes of what their rays met, and harmonics, least and greatest distances.
+ * Nothing is traced.
+ *   probes   dark, with room for all maps; distances are in leaf cells times `metres`
+ */
+gw_status gw_probe_hits_show(const gw_probe_scene *scene, const gw_probe_hits *hits, double metres,
+							 gw_probes *probes, gw_error *error);
 
 #endif

@@ -225,6 +225,22 @@ static void lit_again_by_cones(void **state)
 	same_and_other_lights(scene_make_small_hall, GW_METHOD_CONES);
 }
 
+/* A coarse room about a ball whose points are much denser, so that discs of the walls are too large
+ * for leaves: lamps shine on them by themselves. They are too few for bakes of halves, which are
+ * not made with a transport. */
+static void make_uneven(scene *s)
+{
+	*s = (scene){ 0 };
+	scene_add_box(s, (double[3]){ 0, 0, 0 }, (double[3]){ 2, 2, 2 }, 3, 0.5f);
+	scene_add_sphere(s, (double[3]){ 1, 1, 0.5 }, 0.05, 280, 1, 0.5f);
+}
+
+static void lit_again_on_large_discs(void **state)
+{
+	(void)state;
+	same_and_other_lights(make_uneven, GW_METHOD_RAYS);
+}
+
 /* Means over facets are taken in another order than the octree's: 24 bits each, some hundred terms;
  * samples follow shares of power, which a rounding can turn from one facet to its neighbour. */
 static void other_emission(void **state)
@@ -606,6 +622,7 @@ int main(void)
 		cmocka_unit_test(lit_again_by_rays),
 		cmocka_unit_test(lit_again_through_an_opening),
 		cmocka_unit_test(lit_again_by_cones),
+		cmocka_unit_test(lit_again_on_large_discs),
 		cmocka_unit_test(other_emission),
 		cmocka_unit_test(damaged_ones_are_refused),
 		cmocka_unit_test(others_are_refused),

@@ -1,5 +1,5 @@
 /* Probes: what they see in a furnace and of half of one, how many it takes to see rooms, and that
- * it is the same every time. */
+ * it is the same every time, and in other light. */
 #include "expected.h"
 #include "glowworm_probes.h"
 #include "scenes.h"
@@ -474,6 +474,154 @@ static void same_every_time(void **state)
 	scene_clear(&s);
 }
 
+/* ----------------------------------------------------------------------------- in other light */
+
+typedef struct kept_bytes {
+	unsigned char *data;
+	size_t length;
+} kept_bytes;
+
+static gw_status keep(void *user, const void *bytes, size_t length, gw_error *error)
+{
+	kept_bytes *kept = user;
+	(void)error;
+	unsigned char *grown = realloc(kept->data, kept->length + length + 1);
+	assert_non_null(grown);
+	memcpy(grown + kept->length, bytes, length);
+	kept->data = grown;
+	kept->length += length;
+	return GW_OK;
+}
+
+/* The hall in the light of a lamp, then of another one beneath a sky; and options of its probes. */
+typedef struct relit {
+	scene scene;
+	gw_points points;
+	gw_light first[2], second[2];
+	gw_bake_options bake;
+	gw_probes_options options;
+	kept_bytes kept;
+} relit;
+
+static void set_up(relit *r)
+{
+	*r = (relit){ .bake = bake_options(2), .options = gw_probes_options_default() };
+	scene_make_hall(&r->scene);
+	r->points = scene_points(&r->scene);
+	r->first[0] = r->first[1] = scene_point_light(1.0, 1.0, 1.2, 2.0f);
+	r->second[0] = scene_point_light(2.0, 1.5, 1.0, 3.0f);
+	r->second[1] = (gw_light){ .type = GW_LIGHT_ENVIRONMENT, .radiance = { 0.2f, 0.3f, 0.5f } };
+	r->options.size = 16;
+	r->options.moves = 10;
+}
+
+/* Probes in the second light, of a scene that begins with bytes if there are any. */
+static made make_second(const relit *r, const void *data, size_t length)
+{
+	const gw_transport transport = { .name = "kept", .data = data, .length = length };
+	const gw_scene_description description = { &r->points, r->second, 2 };
+	gw_bake_options bake = r->bake;
+	gw_scene *prepared = NULL;
+	gw_lighting *lighting = NULL;
+	made m = { .probes = NULL };
+	bake.transport = data ? &transport : NULL;
+	m.status = gw_scene_create(&description, &bake, NULL, &prepared, &m.error);
+	if (m.status == GW_OK)
+		m.status = gw_lighting_create(prepared, r->second, 2, &lighting, &m.error);
+	if (m.status == GW_OK)
+		m.status = gw_probes_make(lighting, &r->options, &m.probes, &m.error);
+	if (m.status == GW_OK)
+		assert_int_equal(scene_has_stage(gw_scene_report(prepared), "octree"), data == NULL);
+	gw_lighting_destroy(&lighting);
+	gw_scene_destroy(&prepared);
+	return m;
+}
+
+static void refuse_second(const relit *r, const void *data, size_t length, gw_status expected)
+{
+	made m = make_second(r, data, length);
+	if (m.status != expected || m.probes != NULL || strstr(m.error.text, "kept") == NULL)
+		fail_msg("status %d: %s", (int)m.status, m.error.text);
+}
+
+/* Probes of one scene in one light and in another one, which takes no rays; the scene is kept. */
+static gw_probes *light_twice(relit *r)
+{
+	const gw_transport transport = { .name = "kept", .write = keep, .user = &r->kept };
+	const gw_scene_description description = { &r->points, r->first, 2 };
+	gw_bake_options bake = r->bake;
+	gw_scene *prepared = NULL;
+	gw_lighting *lighting = NULL;
+	gw_probes *probes = NULL;
+	gw_error error;
+	bake.transport = &transport;
+	assert_ok(gw_scene_create(&description, &bake, NULL, &prepared, &error), &error);
+	assert_ok(gw_lighting_create(prepared, r->first, 2, &lighting, &error), &error);
+	assert_ok(gw_probes_make(lighting, &r->options, &probes, &error), &error);
+	gw_probes_destroy(&probes);
+	const size_t length = r->kept.length;
+	assert_true(length > 0);
+	assert_ok(gw_lighting_change(lighting, r->second, 2, &error), &error);
+	assert_ok(gw_probes_make(lighting, &r->options, &probes, &error), &error);
+	assert_int_equal(r->kept.length, length); /* it is written once */
+	gw_lighting_destroy(&lighting);
+	gw_scene_destroy(&prepared);
+	return probes;
+}
+
+/* The same sums of the same terms in the same order: to the last bit. */
+static void lit_again(void **state)
+{
+	(void)state;
+	relit r;
+	set_up(&r);
+	gw_probes *again = light_twice(&r);
+	made fresh = make_second(&r, NULL, 0);
+	assert_ok(fresh.status, &fresh.error);
+	made kept = make_second(&r, r.kept.data, r.kept.length);
+	assert_ok(kept.status, &kept.error);
+	assert_same(fresh.probes, again);
+	assert_same(fresh.probes, kept.probes);
+	gw_probes_destroy(&again);
+	gw_probes_destroy(&fresh.probes);
+	gw_probes_destroy(&kept.probes);
+	free(r.kept.data);
+	scene_clear(&r.scene);
+}
+
+static void other_transports_are_refused(void **state)
+{
+	(void)state;
+	relit r;
+	set_up(&r);
+	gw_probes *probes = light_twice(&r);
+	gw_probes_destroy(&probes);
+	const gw_probes_options own = r.options;
+	for (int i = 0; i < 6; i++) {
+		r.options = own;
+		r.options.size = i == 0 ? 32 : 16;
+		r.options.count = i == 1 ? 1 : 0;
+		r.options.moves = i == 2 ? 11 : 10;
+		r.options.grid = i == 3 ? 2 : 0;
+		r.options.margin = i == 4 ? 0.5f : 0.0f;
+		r.options.seed = i == 5 ? 7 : own.seed;
+		refuse_second(&r, r.kept.data, r.kept.length, GW_ERROR_USAGE);
+	}
+	r.options = own;
+	/* Bits among what probes see, which is at the end; and an end that is missing. */
+	for (size_t i = 0; i < 8; i++) {
+		r.kept.data[r.kept.length - 1000 * (i + 1)] ^= (unsigned char)(1u << i);
+		refuse_second(&r, r.kept.data, r.kept.length, GW_ERROR_DATA);
+		r.kept.data[r.kept.length - 1000 * (i + 1)] ^= (unsigned char)(1u << i);
+	}
+	refuse_second(&r, r.kept.data, r.kept.length - 4096, GW_ERROR_DATA);
+	/* That of another cloud. */
+	r.scene.position[7] += 0x1p-20;
+	refuse_second(&r, r.kept.data, r.kept.length, GW_ERROR_DATA);
+	free(r.kept.data);
+	scene_clear(&r.scene);
+}
+
 /* A solid cube: its surface looks out of its own bounds, so there is no place for a probe. */
 static void solid(void **state)
 {
@@ -512,12 +660,19 @@ static void refused(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(furnace),         cmocka_unit_test(white_furnace),
-		cmocka_unit_test(half_furnace),    cmocka_unit_test(sky),
-		cmocka_unit_test(half_sky),        cmocka_unit_test(boxes),
-		cmocka_unit_test(grids),           cmocka_unit_test(looks_in_a_box),
-		cmocka_unit_test(same_every_time), cmocka_unit_test(solid),
+		cmocka_unit_test(furnace),
+		cmocka_unit_test(white_furnace),
+		cmocka_unit_test(half_furnace),
+		cmocka_unit_test(sky),
+		cmocka_unit_test(half_sky),
+		cmocka_unit_test(boxes),
+		cmocka_unit_test(grids),
+		cmocka_unit_test(looks_in_a_box),
+		cmocka_unit_test(same_every_time),
+		cmocka_unit_test(solid),
 		cmocka_unit_test(refused),
+		cmocka_unit_test(lit_again),
+		cmocka_unit_test(other_transports_are_refused),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
