@@ -48,43 +48,39 @@ bool ends_at_crease(uint facet)
 	return votes > 0;
 }
 
-/* Share of the light that is seen from where the ray begins. */
-float share_seen(vec3 towards, float distance, float turn, INOUT(Ray) ray)
+/* A ray to the light's sample `s`, and what the sample counts: those of a light that is an area by
+ * the cosine at which they come in. */
+float aim(uint s, vec4 normal, vec3 towards, float distance, float turn, INOUT(Ray) ray)
 {
-	float seen = 0.0f, hidden = 0.0f;
-	uint rays = push.samples;
-	for (uint s = 0u; s < rays; s++) {
+	if (!is_area_light()) {
 		aim_at_light(push.samples - 1u - s, turn, towards, distance, ray);
-		float through;
-		uint facet = trace_through(ray, GW_THROUGH_LEAST, through).facet;
-		if (facet == GW_NONE)
-			seen += through;
-		else if (ends_at_crease(facet))
-			hidden = GW_HIDDEN_BY_CREASE;
-		if (s + 1u == GW_LIGHT_RIM && (seen == 0.0f || seen == float(GW_LIGHT_RIM)))
-			rays = GW_LIGHT_RIM;
+		return 1.0f;
 	}
-	return seen / float(rays) + hidden;
+	float weight;
+	aim_at_area(s, turn, ray.origin, ray, weight);
+	return weight * light_cosine(normal, ray.direction);
 }
 
-/* The same of a light that is an area: its samples count by the cosine at which they come in. */
-float share_of_area(vec3 g, vec4 normal, vec3 facing, float turn)
+/* Share of the light that is seen from where the ray begins. */
+float share_seen(vec4 normal, vec3 towards, float distance, float turn, INOUT(Ray) ray)
 {
-	float seen = 0.0f, whole = 0.0f, hidden = 0.0f, weight;
+	vec3 facing = ray.facing;
+	float seen = 0.0f, whole = 0.0f, hidden = 0.0f;
 	for (uint s = 0u; s < push.samples; s++) {
-		Ray ray = { g, facing, facing, g, 0.0f, true };
-		aim_at_area(s, turn, g, ray, weight);
-		weight *= light_cosine(normal, ray.direction);
+		float weight = aim(s, normal, towards, distance, turn, ray), through;
 		if (!(weight > 0.0f))
 			continue;
-		ray.facing = dot(normal.xyz, ray.direction) < 0.0f ? -facing : facing;
-		float through;
+		vec3 to = is_area_light() ? ray.direction : towards;
+		ray.facing = dot(normal.xyz, to) < 0.0f ? -facing : facing;
 		uint facet = trace_through(ray, GW_THROUGH_LEAST, through).facet;
 		whole += weight;
 		if (facet == GW_NONE)
 			seen += weight * through;
 		else if (ends_at_crease(facet))
 			hidden = GW_HIDDEN_BY_CREASE;
+		if (s + 1u == GW_LIGHT_RIM && !is_area_light() &&
+			(seen == 0.0f || seen == float(GW_LIGHT_RIM)))
+			break;
 	}
 	return whole > 0.0f ? seen / whole + hidden : 0.0f;
 }
@@ -103,11 +99,6 @@ void main()
 	/* The ray leaves the surface behind the noise; the normal is the point's own. */
 	vec3 facing = texelFetch(surfel_facing, int(push.first + i)).xyz;
 	float turn = unit_float(pcg_hash2(push.first + i, push.seed));
-	if (is_area_light()) {
-		visibility[i] = share_of_area(g, normal, facing, turn);
-		return;
-	}
-	facing = dot(normal.xyz, towards) < 0.0f ? -facing : facing;
 	Ray ray = { g, towards, facing, g, distance, true };
-	visibility[i] = share_seen(towards, distance, turn, ray);
+	visibility[i] = share_seen(normal, towards, distance, turn, ray);
 }

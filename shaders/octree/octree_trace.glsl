@@ -208,10 +208,8 @@ void meet_leaf(IN(Ray) ray, uvec2 tile, uint octant, INOUT(Stretch) stretch, INO
 					  !stops_from_behind(2u * leaf + 1u) &&
 					  rises_over(stretch.centre, 2u * leaf + 1u, 2u * leaf) &&
 					  rises_over(stretch.centre, 2u * leaf, 2u * leaf + 1u);
-	if (!foliage)
-		meet_facet(ray, stretch, 2u * leaf, past.last, hit);
-	if (second && !more)
-		meet_facet(ray, stretch, 2u * leaf + 1u, past.last, hit);
+	for (uint k = foliage ? 1u : 0u; k < (second && !more ? 2u : 1u); k++)
+		meet_facet(ray, stretch, 2u * leaf + k, past.last, hit);
 	if (foliage || more)
 		pass_foliage(2u * leaf + (more ? 1u : 0u), stretch.enter, stretch.leave, hit);
 }

@@ -15,12 +15,15 @@ CONSTANT(4, uint, has_discs, 0u);
  * octree's is the finer one. */
 Hit trace(IN(Ray) ray)
 {
-	if (has_discs == 0u)
-		return trace_octree(ray);
-	DiscHit disc = trace_discs(ray);
+	DiscHit disc;
 	Ray nearer = ray;
-	nearer.t_max = min(disc.yields, ray.t_max);
+	if (has_discs != 0u) {
+		disc = trace_discs(ray);
+		nearer.t_max = min(disc.yields, ray.t_max);
+	}
 	Hit hit = trace_octree(nearer);
+	if (has_discs == 0u)
+		return hit;
 	if (hit.facet == GW_NONE) {
 		hit.facet = disc.facet;
 		hit.t = disc.t;
@@ -44,22 +47,23 @@ Hit trace_through(IN(Ray) ray, float until, OUT(float) through)
 	through = ray_left = 1.0f;
 	ray_until = until;
 	stopped_by_foliage = false;
-	Hit hit = trace(ray);
-	if (dark_slot == 0u)
-		return hit;
-	bool back = hit.passed_back_face;
-	for (uint s = 0u; s < GW_SHEETS_MOST && hit.facet != GW_NONE && !stopped_by_foliage; s++) {
+	Hit hit;
+	bool back = false;
+	for (uint sheet = 0u;; sheet++) {
+		hit = trace(ray);
+		back = back || hit.passed_back_face;
+		if (dark_slot == 0u || sheet == GW_SHEETS_MOST || hit.facet == GW_NONE ||
+			stopped_by_foliage)
+			break;
 		float left = ray_left * transparency_of(hit.facet);
 		if (left <= until)
 			break;
 		ray_left = left;
 		pass_sheet(hit);
-		hit = trace(ray);
-		back = back || hit.passed_back_face;
 	}
 	hit.passed_back_face = back;
 	through = ray_left;
-	if (hit.facet == GW_NONE || ray.both_sides)
+	if (dark_slot == 0u || hit.facet == GW_NONE || ray.both_sides)
 		return hit;
 	vec4 plane = texelFetch(facet_plane, int(hit.facet));
 	if (dot(plane.xyz, ray.direction) > 0.0f && stops_from_behind(hit.facet) &&
