@@ -15,15 +15,12 @@ CONSTANT(4, uint, has_discs, 0u);
  * octree's is the finer one. */
 Hit trace(IN(Ray) ray)
 {
-	DiscHit disc;
-	Ray nearer = ray;
-	if (has_discs != 0u) {
+	DiscHit disc = { GW_NONE, GW_NONE, ray.t_max, ray.t_max, ray.t_max };
+	if (has_discs != 0u)
 		disc = trace_discs(ray);
-		nearer.t_max = min(disc.yields, ray.t_max);
-	}
+	Ray nearer = ray;
+	nearer.t_max = min(disc.yields, ray.t_max);
 	Hit hit = trace_octree(nearer);
-	if (has_discs == 0u)
-		return hit;
 	if (hit.facet == GW_NONE) {
 		hit.facet = disc.facet;
 		hit.t = disc.t;
