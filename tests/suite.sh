@@ -16,8 +16,9 @@
 #                          those that tests/not_sanitized does not list
 #
 # All programs and scripts of all groups are one queue, the longest first (tests/slow_tests), of
-# which as many run beside each other as there are processors: most keep one busy. Scripts of cli
-# that measure time (`# alone: yes`) run after the others, one by one.
+# which one more runs beside each other than there are processors: most keep one busy, but wait for
+# files and the device now and then. Scripts of cli that measure time (`# alone: yes`) run after the
+# others, one by one.
 #
 # Prints the output of what failed when it fails; at the end one line a group with the seconds of
 # the processor that it took, what took longest, and `N passed, N failed`. The exit status is 1 when
@@ -229,7 +230,7 @@ done
 list_jobs "$@" >"$scratch/jobs"
 while read -r turn job; do
 	[ "$turn" = alone ] && continue
-	while [ "$(jobs -rp | wc -l)" -ge "$(nproc)" ]; do wait -n; done
+	while [ "$(jobs -rp | wc -l)" -ge "$(($(nproc) + 1))" ]; do wait -n; done
 	# shellcheck disable=SC2086
 	run_job $job &
 done <"$scratch/jobs"
