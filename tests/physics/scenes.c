@@ -296,6 +296,19 @@ const gw_effect *scene_effect(const gw_report *report, const char *name)
 	return NULL;
 }
 
+gw_status scene_keep_bytes(void *user, const void *bytes, size_t length, gw_error *error)
+{
+	scene_bytes *kept = user;
+	if (kept->length + length > kept->limit)
+		return gw_fail(error, GW_STATUS_OF_CALLER, "the disk of this test is full");
+	unsigned char *grown = realloc(kept->data, kept->length + length + 1);
+	assert_non_null(grown);
+	memcpy(grown + kept->length, bytes, length);
+	kept->data = grown;
+	kept->length += length;
+	return GW_OK;
+}
+
 gw_light scene_point_light(double x, double y, double z, float intensity)
 {
 	return (gw_light){ .type = GW_LIGHT_POINT,

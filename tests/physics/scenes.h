@@ -107,6 +107,15 @@ bool scene_has_stage(const gw_report *report, const char *name);
 /* The effect of that name; the test fails when the report has none. */
 const gw_effect *scene_effect(const gw_report *report, const char *name);
 
+/* What a transport is written into; `data` is freed by the caller. */
+typedef struct scene_bytes {
+	unsigned char *data;
+	size_t length, limit; /* writing past the limit fails with GW_STATUS_OF_CALLER */
+} scene_bytes;
+
+/* gw_transport.write, whose user are such bytes. */
+gw_status scene_keep_bytes(void *user, const void *bytes, size_t length, gw_error *error);
+
 /* A white point light without extent: intensity in W/sr, the same in all channels. */
 gw_light scene_point_light(double x, double y, double z, float intensity);
 

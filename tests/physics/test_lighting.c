@@ -117,31 +117,13 @@ static void parts_of_a_patch(void **state)
 
 /* -------------------------------------------------------------------------------- transports */
 
-typedef struct kept_bytes {
-	unsigned char *data;
-	size_t length, limit; /* writing past the limit fails */
-} kept_bytes;
-
-static gw_status keep(void *user, const void *bytes, size_t length, gw_error *error)
-{
-	kept_bytes *kept = user;
-	if (kept->length + length > kept->limit)
-		return gw_fail(error, GW_STATUS_OF_CALLER, "the disk of this test is full");
-	unsigned char *grown = realloc(kept->data, kept->length + length + 1);
-	assert_non_null(grown);
-	memcpy(grown + kept->length, bytes, length);
-	kept->data = grown;
-	kept->length += length;
-	return GW_OK;
-}
-
 /* A scene and its transport. */
 typedef struct fixture {
 	scene scene;
 	gw_points points;
 	gw_light lights[LIGHTS];
 	gw_bake_options options;
-	kept_bytes kept;
+	scene_bytes kept;
 	gw_bake_result *first;
 } fixture;
 
@@ -152,7 +134,7 @@ static void set_up(fixture *f, void (*make)(scene *s), gw_method method)
 	make(&f->scene);
 	f->points = scene_points(&f->scene);
 	gw_bake_options options = f->options;
-	const gw_transport transport = { .name = "kept", .write = keep, .user = &f->kept };
+	const gw_transport transport = { .name = "kept", .write = scene_keep_bytes, .user = &f->kept };
 	options.transport = &transport;
 	f->first = scene_bake(&f->points, f->lights, LIGHTS, &options);
 }
@@ -429,8 +411,8 @@ static void writes_may_fail(void **state)
 	set_up(&f, scene_make_small_hall, GW_METHOD_RAYS);
 	const size_t limits[] = { 0, 100, f.kept.length / 2, f.kept.length - 1 };
 	for (size_t i = 0; i < 4; i++) {
-		kept_bytes full = { .limit = limits[i] };
-		const gw_transport transport = { .name = "kept", .write = keep, .user = &full };
+		scene_bytes full = { .limit = limits[i] };
+		const gw_transport transport = { .name = "kept", .write = scene_keep_bytes, .user = &full };
 		gw_bake_options options = f.options;
 		gw_bake_result *result = NULL;
 		gw_error error = { 0 };

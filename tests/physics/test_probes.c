@@ -476,23 +476,6 @@ static void same_every_time(void **state)
 
 /* ----------------------------------------------------------------------------- in other light */
 
-typedef struct kept_bytes {
-	unsigned char *data;
-	size_t length;
-} kept_bytes;
-
-static gw_status keep(void *user, const void *bytes, size_t length, gw_error *error)
-{
-	kept_bytes *kept = user;
-	(void)error;
-	unsigned char *grown = realloc(kept->data, kept->length + length + 1);
-	assert_non_null(grown);
-	memcpy(grown + kept->length, bytes, length);
-	kept->data = grown;
-	kept->length += length;
-	return GW_OK;
-}
-
 /* The hall in the light of a lamp, then of another one beneath a sky; and options of its probes. */
 typedef struct relit {
 	scene scene;
@@ -500,12 +483,14 @@ typedef struct relit {
 	gw_light first[2], second[2];
 	gw_bake_options bake;
 	gw_probes_options options;
-	kept_bytes kept;
+	scene_bytes kept;
 } relit;
 
 static void set_up(relit *r)
 {
-	*r = (relit){ .bake = bake_options(2), .options = gw_probes_options_default() };
+	*r = (relit){ .bake = bake_options(2),
+				  .options = gw_probes_options_default(),
+				  .kept = { .limit = SIZE_MAX } };
 	scene_make_hall(&r->scene);
 	r->points = scene_points(&r->scene);
 	r->first[0] = r->first[1] = scene_point_light(1.0, 1.0, 1.2, 2.0f);
@@ -547,7 +532,7 @@ static void refuse_second(const relit *r, const void *data, size_t length, gw_st
 /* Probes of one scene in one light and in another one, which takes no rays; the scene is kept. */
 static gw_probes *light_twice(relit *r)
 {
-	const gw_transport transport = { .name = "kept", .write = keep, .user = &r->kept };
+	const gw_transport transport = { .name = "kept", .write = scene_keep_bytes, .user = &r->kept };
 	const gw_scene_description description = { &r->points, r->first, 2 };
 	gw_bake_options bake = r->bake;
 	gw_scene *prepared = NULL;
