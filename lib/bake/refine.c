@@ -181,13 +181,11 @@ static bool has_added(const gw_refine_state *state)
 		   last->records > before->records;
 }
 
-gw_refine_answer gw_refine_records(const gw_refine_state *state, gw_density_wish *wish,
-								   char why[96])
+/* What gw_refine_records answers where the rays are enough. */
+static gw_refine_answer add_records(const gw_refine_state *state, gw_density_wish *wish,
+									char why[96])
 {
-	if (would_be_in_vain(state))
-		return GW_REFINE_STALLED;
-	bool full = state->options->rays >= RAYS_MOST;
-	if (state->crowded || !(state->options->record_spacing > 0.0f) || (is_noisy(state) && !full))
+	if (state->crowded || !(state->options->record_spacing > 0.0f))
 		return GW_REFINE_EXHAUSTED;
 	/* As if all of the last round had been work that grows. */
 	double most = state->options->method != GW_METHOD_RAYS ? GROWTH_OF_CONES
@@ -201,6 +199,22 @@ gw_refine_answer gw_refine_records(const gw_refine_state *state, gw_density_wish
 							   .most_growth = work };
 	snprintf(why, 96, "records disagree most where more were put");
 	return GW_REFINE_ROUND;
+}
+
+gw_refine_answer gw_refine_records(const gw_refine_state *state, gw_density_wish *wish,
+								   char why[96])
+{
+	if (would_be_in_vain(state))
+		return GW_REFINE_STALLED;
+	bool full = state->options->rays >= RAYS_MOST;
+	return is_noisy(state) && !full ? GW_REFINE_EXHAUSTED : add_records(state, wish, why);
+}
+
+/* Whether gathered light is wrong by noise more than by all else; no rays are added to these. */
+static bool is_all_noise(const gw_refine_state *state)
+{
+	double noise = state->error.noise, gathered = state->error.gathered;
+	return state->options->method == GW_METHOD_RAYS && noise * noise > 0.5 * gathered * gathered;
 }
 
 /* Whether the last round has added records and gathered light is as wrong as before. */
@@ -217,7 +231,7 @@ gw_refine_answer gw_refine_gathered(const gw_refine_state *state, gw_density_wis
 {
 	gw_bake_options options = *state->options;
 	gw_refine_state aimed = *state;
-	if (!(state->error.gathered > (double)options.gathered_error))
+	if (!(state->error.gathered > (double)options.gathered_error) || is_all_noise(state))
 		return GW_REFINE_EXHAUSTED;
 	if (has_added_in_vain(state))
 		return GW_REFINE_STALLED;
@@ -227,7 +241,7 @@ gw_refine_answer gw_refine_gathered(const gw_refine_state *state, gw_density_wis
 	aimed.options = &options;
 	aimed.error.spread = 0.0;
 	aimed.round = NULL;
-	return gw_refine_records(&aimed, wish, why);
+	return add_records(&aimed, wish, why);
 }
 
 /* Noise falls with the root of the rays, the rest about as fast as the records come closer. */

@@ -119,11 +119,14 @@ void meet_discs(IN(Ray) ray, uint leaf, vec3 cell_centre, INOUT(Doubt) doubt, IN
 			continue;
 		bool met = abs(doubt.t - passage.t) < GW_NEAR &&
 				   lie_concave(doubt.place, doubt.normal, passage.place, passage.normal);
-		if (!met && passage.squared < GW_VOID_REACH_SQUARED)
+		if (!met && passage.squared < GW_VOID_REACH_SQUARED) {
+			bool amid = !passage.cut && (passage.squared <= 1.0f
+											 ? is_covered(slot, passage.at)
+											 : is_amid(slot, cell_centre, passage.at));
 			met = is_in_rock(leaf, passage,
-							 !passage.cut && (passage.squared <= 1.0f
-												  ? is_covered(slot, passage.at)
-												  : is_amid(slot, cell_centre, passage.at)));
+							 amid && !passes_crest(ray, leaf, passage.t, passage.normal,
+												   passage.place));
+		}
 		if (met) {
 			hit.t = passage.t;
 			hit.facet = slot;

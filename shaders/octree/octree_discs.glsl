@@ -20,6 +20,7 @@
 #include "base/sampling.glsl"
 #include "octree/ray.glsl"
 #include "octree/trace_constants.h"
+#include "octree/octree_crests.glsl"
 
 /* Share of a disc that a cut leaves, by the cut's distance in radii; a cut without direction leaves
  * all. */

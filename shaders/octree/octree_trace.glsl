@@ -8,10 +8,16 @@
 #define OCTREE_TRACE_GLSL
 
 #include "octree/opacity.glsl"
+#include "octree/octree_leaf.glsl"
 #include "octree/trace_constants.h"
 
 #ifndef TRACE_DISCS
 #define TRACE_DISCS false
+bool passes_crest(IN(Ray), uint, float, vec3, vec3)
+{
+	return false;
+}
+
 bool is_covered(uint, vec3)
 {
 	return true;
@@ -59,7 +65,11 @@ bool holds(IN(Ray) ray, bool covered, bool concave, uint slot, float t)
 		return true;
 	vec3 at = ray.origin + ray.direction * t;
 	vec3 other = texelFetch(facet_plane, int(slot ^ 1u)).xyz;
-	return (concave && is_along_crease(slot, other, at)) || is_covered(slot, at);
+	if (concave && is_along_crease(slot, other, at))
+		return true;
+	return is_covered(slot, at) &&
+		   !passes_crest(ray, slot >> 1, t, texelFetch(facet_plane, int(slot)).xyz,
+						 texelFetch(facet_centre, int(slot)).xyz);
 }
 
 /* Does a facet rise over the surface that the ray leaves? */
@@ -186,7 +196,7 @@ struct Past {
 void meet_leaf(IN(Ray) ray, uvec2 tile, uint octant, INOUT(Stretch) stretch, INOUT(Past) past,
 			   INOUT(Hit) hit)
 {
-	uint leaf = tile.x + uint(bitCount(tile.y & ((1u << octant) - 1u)));
+	uint leaf = leaf_of(tile, octant);
 	bool second = (tile.y >> (16u + octant) & 1u) != 0u;
 	stretch.covered = (tile.y >> (24u + octant) & 1u) != 0u;
 	bool foliage = is_foliage(2u * leaf), more = second && is_foliage(2u * leaf + 1u);
@@ -260,31 +270,21 @@ float leaving(IN(Walk) walk, ivec3a cell, uint shift, uint reach)
 	return smallest((corner * float(1u << shift) - walk.origin) * walk.inverse);
 }
 
-uint octant_of(ivec3a cell, uint shift)
-{
-	ivec3 bit = ivec3(cell >> int(shift) & 1);
-	return uint(bit.x | bit.y << 1 | bit.z << 2);
-}
-
 /* Goes on to the far side of the largest empty box that is known around the cell; in a leaf, of
  * that, unless it is hit. */
 float look_around(IN(Ray) ray, IN(Walk) walk, ivec3a cell, float t, INOUT(Past) past,
 				  INOUT(Hit) hit)
 {
-	uint level = directory_level, shift = depth - level;
-	ivec3 c = ivec3(cell >> int(shift));
-	uint entry = texelFetch(ray_directory, c.x + (c.y << level) + (c.z << (2u * level))).x;
+	uint entry = directory_entry(cell), shift;
 	if (entry >> 31 == 0u) /* Nothing within entry - 1 cells around this one. */
-		return leaving(walk, cell, shift, entry > 1u ? entry - 1u : 0u);
-	uint pointer = (entry & 0x7fffffffu) + 1u;
-	for (; shift > 1u && pointer != 0u; shift--)
-		pointer = texelFetch(node, int(8u * (pointer - 1u) + octant_of(cell, shift - 1u))).x;
+		return leaving(walk, cell, depth - directory_level, entry > 1u ? entry - 1u : 0u);
+	uint pointer = find_leaves(entry, cell, shift);
 	if (pointer == 0u) /* An empty node of this level. */
 		return leaving(walk, cell, shift, 0u);
 	uvec2 tile = texelFetch(leaf_tile, int(pointer - 1u)).xy;
 	uint octant = octant_of(cell, 0u);
 	Stretch stretch = { vec3(vec3a(cell) + 0.5f), t, leaving(walk, cell, 0u, 0u), false, false };
-	if ((tile.y >> (8u + octant) & 1u) != 0u)
+	if (holds_leaf(tile, octant))
 		meet_leaf(ray, tile, octant, stretch, past, hit);
 	return stretch.leave;
 }

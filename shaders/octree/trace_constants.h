@@ -53,6 +53,13 @@
  * is alone, it sticks out over a ridge, and there is no surface. */
 #define GW_COVER_LEAST 0.2f
 
+/* Radii of a disc: a place that lies further in front of it is not on its surface. Radii^2 about
+ * its middle: of its inner part, to most of which no other disc is nearer. Leaf cells: what bends
+ * away beneath a place lies there, if not in its leaf. */
+#define GW_STICK_OUT 0.01f
+#define GW_INNER_SQUARED 0.25f
+#define GW_BENEATH 0.6f
+
 /* A place has discs all around it when so many of eight half-planes hold one. */
 #define GW_SEEN_AROUND 7
 #define GW_SQRT_HALF 0.70710678f

@@ -3,6 +3,7 @@
 #include "glowworm_picture.h"
 #include "picture/render_octree.h"
 #include "cloud/surfels.h"
+#include "estimate/shadow_error.h"
 #include "expected.h"
 #include "scenes.h"
 
@@ -789,6 +790,68 @@ static void no_sun_at_the_foot(void **state)
 		fail_msg("%zu of %zu points at the foot of a block are lit", lit, count);
 }
 
+/* Waves like a sheet of corrugated iron, along y: height and slope. */
+#define WAVE 0.1
+#define WAVE_HEIGHT 0.01
+
+static double wave_at(double x)
+{
+	return WAVE_HEIGHT * cos(2 * SCENE_PI * x / WAVE);
+}
+
+/* Whether the crest beside a place hides a sun that stands so high over -x. */
+static bool wave_hides(double x, double tangent)
+{
+	for (double before = 0.0; before < WAVE; before += WAVE / 1000)
+		if (wave_at(x - before) > wave_at(x) + before * tangent + 1e-9)
+			return true;
+	return false;
+}
+
+/*
+ * Planes and discs stick out over crests whose radius is two and a half spacings, and shadow what
+ * the crests do not. Of the points, edges of shadows that are off by GW_EDGE_OFFSET spacings to
+ * either side would put so many on the dark one: two edges a wave, spacings of 0.01.
+ */
+static void crests_shadow_no_more_than_they_hide(void **state)
+{
+	const double tangent = 0.3, shadowed = 2 * GW_EDGE_OFFSET * 0.01 / WAVE;
+	const size_t points_in_all = 10000;
+	scene s = { 0 };
+	size_t dark = 0, light = 0, count = 0;
+	(void)state;
+	for (size_t i = 0; i < points_in_all; i++) {
+		double x = scene_random(&s), y = scene_random(&s);
+		double slope = -2 * SCENE_PI / WAVE * WAVE_HEIGHT * sin(2 * SCENE_PI * x / WAVE);
+		double length = hypot(slope, 1.0);
+		scene_add(&s, (double[3]){ x, y, wave_at(x) },
+				  (double[3]){ -slope / length, 0, 1 / length }, 0.5f);
+	}
+	gw_points points = scene_points(&s);
+	gw_bake_options options = direct_only(GW_SHADOWS_TRACED);
+	gw_light sun = { .type = GW_LIGHT_SUN,
+					 .direction = { 1, 0, -tangent },
+					 .irradiance = { 1, 1, 1 } };
+	gw_bake_result *result = scene_bake(&points, &sun, 1, &options);
+	for (size_t i = 0; i < s.count; i++) {
+		double x = s.position[3 * i];
+		const float *n = s.normal + 3 * i;
+		bool faces = -(double)n[0] + tangent * (double)n[2] > 0.1 * hypot(1, tangent);
+		if (x < 2 * WAVE || x > 1 - WAVE || !faces)
+			continue;
+		bool lit = result->direct_irradiance[3 * i] > 0.0f, hidden = wave_hides(x, tangent);
+		count++;
+		dark += !lit && !hidden;
+		light += lit && hidden;
+	}
+	print_message("of %zu points %zu are dark that should be lit, %zu lit that should be dark\n",
+				  count, dark, light);
+	if ((double)dark > shadowed * (double)count)
+		fail_msg("of %zu points %zu are dark that should be lit", count, dark);
+	gw_bake_result_destroy(&result);
+	scene_clear(&s);
+}
+
 /* What edges of shadows add to the error of a floor under the sun, with a square sheet of points
  * over it, or with a block of the same height. */
 static double shadow_error_of(bool block)
@@ -1032,6 +1095,7 @@ int main(void)
 		cmocka_unit_test(no_sun_at_the_foot),
 		cmocka_unit_test(creases_cast_sharper_shadows),
 		cmocka_unit_test(noise_of_normals_is_in_the_estimate),
+		cmocka_unit_test(crests_shadow_no_more_than_they_hide),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
