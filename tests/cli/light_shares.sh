@@ -1,6 +1,6 @@
 # A line a lamp at the end of a bake: what share of the light it gives, or why it gives none; the
 # same in the report; nothing to say of a lamp that is alone.
-make_box --scene rooms --points 6000 --emission 0 -o rooms.ply
+make_box --scene rooms --points 3000 --emission 0 -o rooms.ply
 bake() {
 	glowworm bake rooms.ply -o lit.ply -f --estimate-points 0 --bounces 2 "$@" 2>&1 |
 		grep -v 'the surface has\|may face the wrong way'

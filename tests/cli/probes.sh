@@ -2,7 +2,7 @@
 # the input; the same bytes twice; and sentences for what cannot be.
 glowworm info --devices >/dev/null 2>&1 || { echo "there is no Vulkan device"; exit 77; }
 . "$SOURCE/tests/cli/shared_functions"
-make_box --scene rooms --points 6000 -o rooms.ply
+make_box --scene rooms --points 3000 -o rooms.ply
 place() { glowworm probes rooms.ply --rays 16 --moves 4 -q "$@"; }
 place -o one.exr --json one.json --vdb one.vdb --size 16
 place -o two.exr --json two.json --vdb two.vdb --size 16

@@ -1,10 +1,10 @@
 # Probes lit again from a transport: the same files as without, in any light, and what does not fit
 # is refused before any output is touched.
 glowworm info --devices >/dev/null 2>&1 || { echo "there is no Vulkan device"; exit 77; }
-make_box --scene rooms --points 6000 -o rooms.ply
+make_box --scene rooms --points 3000 -o rooms.ply
 sky='sky radiance 0.3'
 place() {
-	glowworm probes rooms.ply --rays 16 --moves 4 --size 16 -q "$@" 2>&1
+	glowworm probes rooms.ply --rays 16 --moves 4 --size 8 -q "$@" 2>&1
 	echo "status $?"
 }
 files() { echo "-o $1.exr --json $1.json --vdb $1.vdb"; }
@@ -24,7 +24,7 @@ for pair in 'plain first' 'plain again' 'fresh other'; do
 	diff $1.json $2.json
 done
 echo "through a pipe, and by a bake:"
-glowworm probes rooms.ply --rays 16 --moves 4 --size 16 -q --save-transport - | cat >piped.gwt
+glowworm probes rooms.ply --rays 16 --moves 4 --size 8 -q --save-transport - | cat >piped.gwt
 place $(files piped) --light "$sky" --transport - <piped.gwt
 cmp fresh.exr piped.exr
 glowworm bake rooms.ply --rays 16 --light "$sky" -q -o fresh.ply
@@ -44,6 +44,6 @@ for bad in '--transport short.gwt' '--transport bad.gwt' '--transport rooms.ply'
 done
 place --save-transport t.gwt
 place -o - --save-transport -
-make_box --scene rooms --points 6001 -o rooms.ply
+make_box --scene rooms --points 3001 -o rooms.ply
 place --transport t.gwt -o none.exr
 [ ! -e none.exr ] || echo 'an output was written'

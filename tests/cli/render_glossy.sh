@@ -1,7 +1,7 @@
 # Glossy points: from a scene to columns to a picture; what the gloss takes is missing from nothing,
 # so a room of one radiance looks the same with and without; light read from voxels; bad wishes.
 . "$SOURCE/tests/cli/shared_functions"
-make_box --scene cornell --points 6000 -o box.ply
+make_box --scene cornell --points 3000 -o box.ply
 cat >box.scene.json <<'END'
 {"version": 1, "inputs": [{"file": "box.ply", "specular": 0.5, "roughness": 0.25}]}
 END

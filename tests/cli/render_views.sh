@@ -1,11 +1,11 @@
 # Views of what lies behind the light: cells, border tiles, voxels, shadows, records, errors. Each
 # differs from the others, and every bad wish is one sentence with its status.
-make_box --scene cornell --points 4000 -o box.ply
+make_box --scene cornell --points 2000 -o box.ply
 . "$SOURCE/tests/cli/shared_functions"
 lamp='point at 0.5,0.4,0.7 intensity 1 name lamp'
 run 0 bake box.ply -o lit.ply -q --light "$lamp" --estimate-points 0 --bounces 1
 run 0 bake box.ply -o other.ply -q --light "$lamp" --estimate-points 0 --bounces 2
-run 0 compare lit.ply other.ply --worst worst.ply --worst-count 4000 >figures.txt
+run 0 compare lit.ply other.ply --worst worst.ply --worst-count 2000 >figures.txt
 camera='at 0.5,-1.6,0.5 to 0.5,0.5,0.5 fov 40'
 for view in cells:3 cells:5 border:4 octree:4 samples opacity:4:+x opacity:4:-x radiance:4:+x \
 	radiance:4:-z records shaded; do
@@ -23,7 +23,7 @@ for file in *.png; do # the pixels, without what a picture says of itself
 done | sort | uniq -d | wc -l # a lamp by number is the lamp by name
 
 # As many records as a bake places, more where surface is white.
-make_box --scene furnace --points 6000 --albedo 0.9 --emission 0 -o white.ply
+make_box --scene furnace --points 3000 --albedo 0.9 --emission 0 -o white.ply
 run 0 bake white.ply -o white_lit.ply -q --light 'point at 0,0,0 intensity 1' --estimate-points 0 \
 	--report white.json
 run 0 render white.ply -o white.png --size 64x48 --view records -v |

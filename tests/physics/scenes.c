@@ -245,7 +245,7 @@ void scene_bake_hall_twice(const gw_bake_options *options, gw_bake_result *resul
 	scene s = { 0 };
 	const gw_light lamp = scene_point_light(2.0, 1.5, 1.2, 3.0f);
 	gw_bake_options own = *options;
-	scene_make_hall(&s);
+	scene_make_small_hall(&s);
 	const gw_points points = scene_points(&s);
 	for (size_t i = 0; i < 2; i++) {
 		result[i] = scene_bake(&points, &lamp, 1, &own);

@@ -89,8 +89,8 @@ gw_bake_result *scene_bake(const gw_points *points, const gw_light *lights, size
 						   const gw_bake_options *options);
 
 /*
- * Bakes the hall (scene_make_hall) under a lamp, as options say and by three threads: the light has
- * to be the same to the last bit.
+ * Bakes the small hall under a lamp, as options say and by three threads: the light has to be the
+ * same to the last bit.
  *   result   receives the two bakes; each freed by the caller with gw_bake_result_destroy
  */
 void scene_bake_hall_twice(const gw_bake_options *options, gw_bake_result *result[2]);

@@ -332,7 +332,7 @@ static void forced_transmission(void **state)
 {
 	(void)state;
 	scene s = { 0 };
-	scene_make_hall(&s);
+	scene_make_small_hall(&s);
 	for (size_t i = 0; i < 3 * s.count; i++) /* up to 0.7 spacings */
 		s.position[i] += 0.12 * (scene_random(&s) - 0.5);
 	gw_points points = scene_points(&s);
@@ -615,7 +615,7 @@ static void order_of_points(void **state)
 {
 	(void)state;
 	scene s = { 0 }, other = { 0 };
-	scene_make_hall(&s);
+	scene_make_small_hall(&s);
 	float *opacity = malloc(2 * s.count * sizeof *opacity), *shuffled = opacity + s.count;
 	for (size_t i = 0; i < s.count; i++)
 		opacity[i] = i % 5 ? 1.0f : 0.5f;

@@ -72,6 +72,7 @@ static void bake(const scene *s, const gw_light *light, gw_basis basis, double e
 	options.rays = options.light_samples = RAYS;
 	options.leaf_spacing = LEAF;
 	options.normals = GW_NORMALS_GIVEN;
+	options.estimate_points = 0;
 	gw_bake_result *result = scene_bake(&points, light, 1, &options);
 	for (size_t i = 0; i < s->count; i++) {
 		if (lean_of(i) == 0)

@@ -20,6 +20,7 @@ static gw_bake_result *bake(const scene *s, const gw_light *light)
 	gw_points points = scene_points(s);
 	gw_bake_options options = gw_bake_options_default();
 	options.bounces = 1;
+	options.estimate_points = 0;
 	return scene_bake(&points, light, 1, &options);
 }
 

@@ -459,7 +459,7 @@ static void same_every_time(void **state)
 {
 	(void)state;
 	scene s = { 0 };
-	scene_make_hall(&s);
+	scene_make_small_hall(&s);
 	gw_bake_options bake = bake_options(2);
 	gw_probes_options options = gw_probes_options_default();
 	options.size = 16;
@@ -491,7 +491,7 @@ static void set_up(relit *r)
 	*r = (relit){ .bake = bake_options(2),
 				  .options = gw_probes_options_default(),
 				  .kept = { .limit = SIZE_MAX } };
-	scene_make_hall(&r->scene);
+	scene_make_small_hall(&r->scene);
 	r->points = scene_points(&r->scene);
 	r->first[0] = r->first[1] = scene_point_light(1.0, 1.0, 1.2, 2.0f);
 	r->second[0] = scene_point_light(2.0, 1.5, 1.0, 3.0f);

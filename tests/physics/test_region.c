@@ -85,7 +85,7 @@ static void test_same_light(void **state)
 {
 	(void)state;
 	scene s = { .count = 0 };
-	scene_make_hall(&s);
+	scene_make_small_hall(&s);
 	const gw_points points = scene_points(&s);
 	const gw_light lights[] = { scene_point_light(3.0, 1.0, 1.5, 4.0f), sky };
 	const gw_bake_options options = gw_bake_options_default();
@@ -111,7 +111,7 @@ static void test_region_of_all(void **state)
 {
 	(void)state;
 	scene s = { .count = 0 };
-	scene_make_hall(&s);
+	scene_make_small_hall(&s);
 	const gw_points points = scene_points(&s);
 	const gw_light lights[] = { scene_point_light(3.0, 1.0, 1.5, 4.0f), sky };
 	gw_bake_options options = gw_bake_options_default();
@@ -136,7 +136,7 @@ static void test_threads(void **state)
 {
 	(void)state;
 	scene s = { .count = 0 };
-	scene_make_hall(&s);
+	scene_make_small_hall(&s);
 	const gw_points points = scene_points(&s);
 	gw_bake_options options = gw_bake_options_default();
 	uint8_t *chosen = choose_side(&s, 0.6);
@@ -246,7 +246,7 @@ static void test_scene_of_region(void **state)
 {
 	(void)state;
 	scene s = { .count = 0 };
-	scene_make_hall(&s);
+	scene_make_small_hall(&s);
 	const gw_points points = scene_points(&s);
 	const gw_light lights[] = { scene_point_light(3.0, 1.0, 1.5, 4.0f), sky };
 	uint8_t *chosen = choose_side(&s, 0.6);
@@ -313,7 +313,7 @@ static void test_refused(void **state)
 {
 	(void)state;
 	scene s = { .count = 0 };
-	scene_make_hall(&s);
+	scene_make_small_hall(&s);
 	const gw_points points = scene_points(&s);
 	uint8_t *chosen = choose_side(&s, -1.0);
 	gw_region region = { .point = chosen };

@@ -46,6 +46,14 @@ static gw_light sky(float radiance)
 	return (gw_light){ .type = GW_LIGHT_ENVIRONMENT, .radiance = { radiance, radiance, radiance } };
 }
 
+/* What is compared are bakes with bakes, which any number of rays lets be the same. */
+static gw_bake_options few_rays(void)
+{
+	gw_bake_options options = gw_bake_options_default();
+	options.rays = options.light_samples = 16;
+	return options;
+}
+
 static gw_scene *make(const scene *hall, const gw_bake_options *options,
 					  const gw_bake_callbacks *callbacks)
 {
@@ -97,8 +105,8 @@ static void each_lighting_is_a_bake(void **state)
 {
 	(void)state;
 	scene hall = { 0 };
-	scene_make_hall(&hall);
-	gw_bake_options options = gw_bake_options_default();
+	scene_make_small_hall(&hall);
+	gw_bake_options options = few_rays();
 	options.ambient_occlusion = options.bent_normals = options.errors = options.voxels =
 		options.lamps = true;
 	gw_scene *made = make(&hall, &options, NULL);
@@ -124,9 +132,9 @@ static void lamps_come_and_go(void **state)
 {
 	(void)state;
 	scene hall = { 0 };
-	scene_make_hall(&hall);
+	scene_make_small_hall(&hall);
 	hall.emits = false;
-	gw_bake_options options = gw_bake_options_default();
+	gw_bake_options options = few_rays();
 	options.bounces = 1;
 	gw_scene *made = make(&hall, &options, NULL);
 	gw_lighting *lighting = NULL;
@@ -168,8 +176,8 @@ static void emission_is_switched(void **state)
 {
 	(void)state;
 	scene hall = { 0 };
-	scene_make_hall(&hall);
-	gw_bake_options options = gw_bake_options_default();
+	scene_make_small_hall(&hall);
+	gw_bake_options options = few_rays();
 	options.lamps = options.voxels = true;
 	gw_scene *made = make(&hall, &options, NULL);
 	gw_lighting *lighting = NULL;
@@ -206,8 +214,8 @@ static void lightings_stand_side_by_side(void **state)
 {
 	(void)state;
 	scene hall = { 0 };
-	scene_make_hall(&hall);
-	gw_bake_options options = gw_bake_options_default();
+	scene_make_small_hall(&hall);
+	gw_bake_options options = few_rays();
 	options.voxels = true;
 	gw_scene *made = make(&hall, &options, NULL);
 	gw_lighting *one = NULL, *other = NULL;
@@ -229,10 +237,10 @@ static void units_come_back(void **state)
 {
 	(void)state;
 	scene hall = { 0 };
-	scene_make_hall(&hall);
+	scene_make_small_hall(&hall);
 	for (size_t i = 0; i < 3 * hall.count; i++)
 		hall.position[i] = ldexp(hall.position[i], -60);
-	gw_bake_options options = gw_bake_options_default();
+	gw_bake_options options = few_rays();
 	gw_scene *made = make(&hall, &options, NULL);
 	gw_lighting *lighting = NULL;
 	gw_error error = { 0 };
@@ -333,10 +341,10 @@ static void stopping_leaves_the_scene(void **state)
 {
 	(void)state;
 	scene hall = { 0 };
-	scene_make_hall(&hall);
+	scene_make_small_hall(&hall);
 	watch w = { .left = -1 };
 	gw_bake_callbacks callbacks = { NULL, ask_to_stop, &w, NULL };
-	gw_bake_options options = gw_bake_options_default();
+	gw_bake_options options = few_rays();
 	gw_scene *made = make(&hall, &options, &callbacks);
 	gw_lighting *lighting = NULL;
 	gw_error error = { 0 };
@@ -412,9 +420,9 @@ static void bad_arguments_are_refused(void **state)
 {
 	(void)state;
 	scene hall = { 0 };
-	scene_make_hall(&hall);
+	scene_make_small_hall(&hall);
 	gw_points points = scene_points(&hall);
-	gw_bake_options options = gw_bake_options_default();
+	gw_bake_options options = few_rays();
 	gw_scene *made = NULL;
 	gw_error error = { 0 };
 	options.max_error = 0.1f;

@@ -105,7 +105,7 @@ static void hall_by_cones(void **state)
 	options.voxels = true;
 	options.shadow_map_size = 64;
 	options.estimate_points = 0;
-	scene_make_hall(&s);
+	scene_make_small_hall(&s);
 	compare_bakes(&s, &light, 1, &options, *(gw_validation *)*state);
 	scene_clear(&s);
 }
@@ -118,7 +118,7 @@ static void hall_by_cells(gw_method method, gw_validation kind)
 	options.method = method;
 	options.volume_cells = 8;
 	options.estimate_points = 0;
-	scene_make_hall(&s);
+	scene_make_small_hall(&s);
 	compare_bakes(&s, &light, 1, &options, kind);
 	scene_clear(&s);
 }

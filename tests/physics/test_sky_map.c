@@ -56,6 +56,7 @@ static gw_bake_result *bake(const scene *s, const gw_light *light, gw_method met
 	options.bounces = 1;
 	options.rays = 256;
 	options.light_samples = 256;
+	options.estimate_points = 0;
 	return scene_bake(&points, light, 1, &options);
 }
 

@@ -402,6 +402,7 @@ static void lamps_both_ways(void **state)
 	(void)state;
 	make_lamps(light);
 	options.rays = options.light_samples = 16;
+	options.estimate_points = 100;
 	gw_bake_result *result = bake_hall(light, LAMPS, &options);
 	gw_bake_result_destroy(&result);
 }

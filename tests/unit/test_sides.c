@@ -165,7 +165,7 @@ static void test_closed_thing(void **state)
 	const double radii[3] = { 0.1, 3, 100 };
 	for (int i = 0; i < 3; i++) {
 		cloud *c = new_cloud();
-		add_ball(c, 4000, centre, radii[i], 1);
+		add_ball(c, 2000, centre, radii[i], 1);
 		gw_light lamp = lamp_at(8e6 + 3 * radii[i], 5e6, radii[i] - 20);
 		assert_right(c, &sky, "a ball under the sky");
 		assert_right(c, &sun, "a ball in the sun");
