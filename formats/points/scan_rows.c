@@ -21,7 +21,7 @@
 #define SHARED_MOST 0.05 /* share of points whose cell another one has */
 #define DEPTHS_LEAST 1.1 /* ratio of far to near depths: else it may be a grid drawn on a wall */
 #define TANGENT_MOST 2.0 /* of the directions in a camera's picture, in whatever part of it */
-#define ORDERED 0.99 /* share of steps through the file that go on as the picture does */
+#define ORDERED 0.99     /* share of steps through the file that go on as the picture does */
 
 /* How directions are counted. */
 typedef struct frame {
