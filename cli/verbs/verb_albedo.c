@@ -7,13 +7,13 @@
 #include "result/albedo_solve.h"
 #include "result/albedo_stations.h"
 #include "scene/file_roles.h"
+#include "scene/stream_roles.h"
 #include "scene/scene_file.h"
 #include "glowworm_host.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 static gw_status check(const settings *s, const format **to, gw_error *error)
 {
@@ -22,10 +22,8 @@ static gw_status check(const settings *s, const format **to, gw_error *error)
 	if (!s->output)
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "where to write? Give -o FILE, or -o - for standard output");
-	if (strcmp(s->output, "-") == 0 && isatty(STDOUT_FILENO))
-		return gw_fail(error, GW_ERROR_USAGE,
-					   "standard output is a terminal, and this is binary data; redirect it, or "
-					   "name a file with -o");
+	GW_TRY(
+		stream_roles_check_outputs(&(stream_output){ "--output", s->output, "this is" }, 1, error));
 	GW_TRY(file_roles_check(VERB_ALBEDO, s, NULL, error));
 	return output_name_format(s->output, s->output_format, to, error);
 }

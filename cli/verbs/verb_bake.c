@@ -1,6 +1,7 @@
 #include "verbs/verbs.h"
 #include "result/bake_report.h"
 #include "scene/file_roles.h"
+#include "scene/stream_roles.h"
 #include "result/frame_bake.h"
 #include "scene/glossy_points.h"
 #include "files/input_file.h"
@@ -22,7 +23,6 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <time.h>
-#include <unistd.h>
 
 /* All that lives as long as one bake. */
 typedef struct bake {
@@ -51,32 +51,6 @@ static double now(void)
 
 /* ------------------------------------------------------------------------- before reading */
 
-/* Input from a pipe can be read once, and standard output can be written once. */
-static gw_status check_streams(const settings *s, gw_error *error)
-{
-	int from = 0, to = 0;
-	for (size_t i = 0; i < s->input_count; i++)
-		from += strcmp(s->input[i].path, "-") == 0;
-	const char *const out[] = { s->output, s->vdb, s->vdb_sh, s->report, s->save_transport };
-	from += s->transport && strcmp(s->transport, "-") == 0;
-	for (size_t i = 0; i < sizeof out / sizeof *out; i++)
-		to += out[i] && strcmp(out[i], "-") == 0;
-	if (from > 1)
-		return gw_fail(error, GW_ERROR_USAGE, "standard input can be read once, not %d times",
-					   from);
-	if (to > 1)
-		return gw_fail(error, GW_ERROR_USAGE,
-					   "standard output can hold one of --output, --vdb, --vdb-sh, --report and "
-					   "--save-transport, not %d",
-					   to);
-	bool binary = to > 0 && !(s->report && strcmp(s->report, "-") == 0);
-	if (binary && isatty(STDOUT_FILENO))
-		return gw_fail(error, GW_ERROR_USAGE,
-					   "standard output is a terminal, and this is binary data; redirect it, or "
-					   "name a file with -o");
-	return GW_OK;
-}
-
 /* Lux are there only where lamps have them. */
 static gw_status check_units(const settings *s, gw_error *error)
 {
@@ -90,6 +64,17 @@ static gw_status check_units(const settings *s, gw_error *error)
 													   : "no unit of this scene's lamps is known",
 				   "say cd, lm or lx behind their numbers, or \"units\": \"photometric\" in the "
 				   "scene file");
+}
+
+static gw_status check_streams(const settings *s, gw_error *error)
+{
+	const stream_output out[] = { { "--output", s->output, "this is" },
+								  { "--vdb", s->vdb, "this is" },
+								  { "--vdb-sh", s->vdb_sh, "this is" },
+								  { "--report", s->report, NULL },
+								  { "--save-transport", s->save_transport, "this is" } };
+	GW_TRY(stream_roles_check_inputs(s, error));
+	return stream_roles_check_outputs(out, sizeof out / sizeof *out, error);
 }
 
 static gw_status check(bake *b)

@@ -1,5 +1,6 @@
 #include "verbs/verbs.h"
 #include "scene/file_roles.h"
+#include "scene/stream_roles.h"
 #include "scene/loaded_scene.h"
 #include "files/output_file.h"
 #include "options/output_name.h"
@@ -7,7 +8,6 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 /* All that lives as long as one comparison. */
 typedef struct comparison {
@@ -20,21 +20,12 @@ typedef struct comparison {
 	gw_error *error;
 } comparison;
 
-static bool is_stream(const char *path)
-{
-	return path && strcmp(path, "-") == 0;
-}
-
 static gw_status check_outputs(comparison *c)
 {
 	const settings *s = c->settings;
-	if (is_stream(s->worst) && is_stream(s->json_file))
-		return gw_fail(c->error, GW_ERROR_USAGE,
-					   "standard output can hold one of --worst and --json, not both");
-	if (is_stream(s->worst) && isatty(STDOUT_FILENO))
-		return gw_fail(c->error, GW_ERROR_USAGE,
-					   "standard output is a terminal, and points are binary data; redirect it, or "
-					   "name a file with --worst");
+	const stream_output out[] = { { "--worst", s->worst, "points are" },
+								  { "--json", s->json_file, NULL } };
+	GW_TRY(stream_roles_check_outputs(out, sizeof out / sizeof *out, c->error));
 	gw_status status = file_roles_check(VERB_COMPARE, s, NULL, c->error);
 	return status == GW_OK && s->worst ? output_name_format(s->worst, NULL, &c->format, c->error)
 									   : status;
@@ -46,7 +37,7 @@ static gw_status check(comparison *c)
 	if (s->input_count != 2)
 		return gw_fail(c->error, GW_ERROR_USAGE,
 					   "compare what? Name two lit clouds: the result, then the truth");
-	if (is_stream(s->input[0].path) && is_stream(s->input[1].path))
+	if (stream_roles_inputs(s) > 1)
 		return gw_fail(c->error, GW_ERROR_USAGE, "standard input can be read once, not twice");
 	return check_outputs(c);
 }
@@ -101,8 +92,8 @@ static gw_status show(comparison *c)
 	gw_error reason = { 0 };
 	const settings *s = c->settings;
 	gw_status limits = compare_figures_check(&c->figures, s, &reason);
-	if (!is_stream(s->json_file))
-		compare_figures_print(&c->figures, is_stream(s->worst) ? stderr : stdout);
+	if (!stream_roles_standard(s->json_file))
+		compare_figures_print(&c->figures, stream_roles_standard(s->worst) ? stderr : stdout);
 	if (s->worst)
 		GW_TRY(write_worst(c));
 	if (s->json_file)

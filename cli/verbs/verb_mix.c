@@ -1,5 +1,6 @@
 #include "verbs/verbs.h"
 #include "scene/file_roles.h"
+#include "scene/stream_roles.h"
 #include "result/light_mix.h"
 #include "scene/loaded_scene.h"
 #include "files/number_text.h"
@@ -12,7 +13,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 /* All that lives as long as one mix. */
 typedef struct mixing {
@@ -37,10 +37,8 @@ static gw_status check(mixing *m)
 	if (!s->output)
 		return gw_fail(m->error, GW_ERROR_USAGE,
 					   "where to write? Give -o FILE, or -o - for standard output");
-	if (strcmp(s->output, "-") == 0 && isatty(STDOUT_FILENO))
-		return gw_fail(m->error, GW_ERROR_USAGE,
-					   "standard output is a terminal, and points are binary data; redirect it, or "
-					   "name a file with -o");
+	GW_TRY(stream_roles_check_outputs(&(stream_output){ "--output", s->output, "points are" }, 1,
+									  m->error));
 	GW_TRY(file_roles_check(VERB_MIX, s, NULL, m->error));
 	return output_name_format(s->output, s->output_format, &m->format, m->error);
 }

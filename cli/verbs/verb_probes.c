@@ -9,6 +9,7 @@
 #include "result/bake_plan.h"
 #include "result/probe_files.h"
 #include "scene/file_roles.h"
+#include "scene/stream_roles.h"
 #include "scene/glossy_points.h"
 #include "scene/scene_file.h"
 #include "glowworm_host.h"
@@ -16,7 +17,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <unistd.h>
 
 /* All that lives as long as one run. */
 typedef struct probing {
@@ -44,33 +44,15 @@ static bool on_cancelled(void *user)
 	return signals_pending() != 0;
 }
 
-static bool is_stream(const char *path)
-{
-	return path && strcmp(path, "-") == 0;
-}
-
-/* Input from a pipe can be read once, and standard output can be written once. */
 static gw_status check_streams(const settings *s, gw_error *error)
 {
-	int from = is_stream(s->transport), to = 0;
-	for (size_t i = 0; i < s->input_count; i++)
-		from += is_stream(s->input[i].path);
-	const char *const out[] = { s->output, s->json_file, s->vdb, s->picture, s->save_transport };
-	for (size_t i = 0; i < sizeof out / sizeof *out; i++)
-		to += is_stream(out[i]);
-	if (from > 1)
-		return gw_fail(error, GW_ERROR_USAGE, "standard input can be read once, not %d times",
-					   from);
-	if (to > 1)
-		return gw_fail(error, GW_ERROR_USAGE,
-					   "standard output can hold one of --output, --json, --vdb, --picture and "
-					   "--save-transport, not %d",
-					   to);
-	if (to > 0 && !is_stream(s->json_file) && isatty(STDOUT_FILENO))
-		return gw_fail(error, GW_ERROR_USAGE,
-					   "standard output is a terminal, and this is binary data; redirect it, or "
-					   "name a file with -o");
-	return GW_OK;
+	const stream_output out[] = { { "--output", s->output, "this is" },
+								  { "--json", s->json_file, NULL },
+								  { "--vdb", s->vdb, "this is" },
+								  { "--picture", s->picture, "this is" },
+								  { "--save-transport", s->save_transport, "this is" } };
+	GW_TRY(stream_roles_check_inputs(s, error));
+	return stream_roles_check_outputs(out, sizeof out / sizeof *out, error);
 }
 
 static gw_status check(const settings *s, gw_error *error)
@@ -96,7 +78,7 @@ static gw_status check_picture(const settings *s, gw_error *error)
 	if (!s->picture)
 		return GW_OK;
 	const char *dot = strrchr(s->picture, '.');
-	if (!is_stream(s->picture) && !(dot && strcasecmp(dot, ".png") == 0))
+	if (!stream_roles_standard(s->picture) && !(dot && strcasecmp(dot, ".png") == 0))
 		return gw_fail(error, GW_ERROR_USAGE, "--picture %s: the name must end in .png",
 					   s->picture);
 	GW_TRY(camera_plan_read(s, &plan, error));
@@ -108,7 +90,7 @@ static gw_status check_picture(const settings *s, gw_error *error)
 static gw_status check_grids(const settings *s, gw_error *error)
 {
 	output_file *trial = NULL;
-	if (!s->vdb || is_stream(s->vdb))
+	if (!s->vdb || stream_roles_standard(s->vdb))
 		return GW_OK;
 	GW_TRY(output_file_create(&trial, s->vdb, s->force, error));
 	output_file_abandon(&trial);

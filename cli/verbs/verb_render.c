@@ -1,6 +1,7 @@
 #include "verbs/verbs.h"
 #include "glowworm_host.h"
 #include "scene/file_roles.h"
+#include "scene/stream_roles.h"
 #include "files/number_text.h"
 #include "pictures/octree_picture.h"
 #include "pictures/octree_view.h"
@@ -22,7 +23,6 @@
 #include <strings.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #define POINTS_RADIUS 0.2f  /* of --view points: discs that do not meet */
 #define METERED_PICTURES 32 /* of several ones, which share one exposure */
@@ -107,8 +107,7 @@ static gw_status check_output(render *r)
 					   "where to write? Give -o PICTURE.png, or -o - for standard output");
 	struct stat info;
 	const char *slash = strrchr(path, '/'), *dot = strrchr(slash ? slash : path, '.');
-	bool standard = strcmp(path, "-") == 0;
-	bool stream = standard || (stat(path, &info) == 0 && !S_ISREG(info.st_mode));
+	bool stream = stream_roles_standard(path) || (stat(path, &info) == 0 && !S_ISREG(info.st_mode));
 	r->exr = dot && strcasecmp(dot, ".exr") == 0;
 	if (!r->exr && !stream && !(dot && strcasecmp(dot, ".png") == 0))
 		return gw_fail(r->error, GW_ERROR_USAGE,
@@ -117,10 +116,8 @@ static gw_status check_output(render *r)
 		return gw_fail(r->error, GW_ERROR_USAGE,
 					   "%zu pictures need a file name, to which their numbers are added",
 					   camera_plan_count(&r->plan));
-	if (standard && isatty(STDOUT_FILENO))
-		return gw_fail(r->error, GW_ERROR_USAGE,
-					   "standard output is a terminal, and this is binary data; redirect it, or "
-					   "name a file with -o");
+	GW_TRY(
+		stream_roles_check_outputs(&(stream_output){ "--output", path, "this is" }, 1, r->error));
 	if (r->exr && r->settings->render.false_color)
 		return gw_fail(r->error, GW_ERROR_USAGE,
 					   "--false-colour is for the screen, and an EXR holds the numbers themselves; "
@@ -131,17 +128,10 @@ static gw_status check_output(render *r)
 static gw_status check_inputs(const render *r)
 {
 	const settings *s = r->settings;
-	int from = 0;
-	for (size_t i = 0; i < s->input_count; i++)
-		from += strcmp(s->input[i].path, "-") == 0;
-	from += s->render.path && strcmp(s->render.path, "-") == 0;
 	if (s->input_count == 0)
 		return gw_fail(r->error, GW_ERROR_USAGE,
 					   "what to show? Name an input, or - for standard input");
-	if (from > 1)
-		return gw_fail(r->error, GW_ERROR_USAGE, "standard input can be read once, not %d times",
-					   from);
-	return GW_OK;
+	return stream_roles_check_inputs(s, r->error);
 }
 
 /* The name of a picture: FILE.png, or FILE-0001.png when there are several. For free(). */
@@ -167,7 +157,8 @@ static gw_status probe_outputs(const render *r)
 		struct stat info;
 		if (!name)
 			return gw_fail(r->error, GW_ERROR_MEMORY, "no memory for a name");
-		bool file = strcmp(name, "-") != 0 && (stat(name, &info) != 0 || S_ISREG(info.st_mode));
+		bool file =
+			!stream_roles_standard(name) && (stat(name, &info) != 0 || S_ISREG(info.st_mode));
 		output_file *probe = NULL;
 		if (file)
 			status = output_file_create(&probe, name, r->settings->force, r->error);

@@ -1,5 +1,6 @@
 #include "verbs/verbs.h"
 #include "scene/file_roles.h"
+#include "scene/stream_roles.h"
 #include "scene/loaded_scene.h"
 #include "scene/mesh_notes.h"
 #include "options/options.h"
@@ -13,7 +14,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include <unistd.h>
 
 static bool is_given(const settings *s, const char *name)
 {
@@ -35,11 +35,8 @@ static gw_status check(const settings *s, const format **to, gw_error *error)
 	if (!s->output)
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "where to write? Give -o FILE, or -o - for standard output");
-	bool pipe = strcmp(s->output, "-") == 0;
-	if (pipe && isatty(STDOUT_FILENO))
-		return gw_fail(error, GW_ERROR_USAGE,
-					   "standard output is a terminal, and this is binary data; redirect it, or "
-					   "name a file with -o");
+	GW_TRY(
+		stream_roles_check_outputs(&(stream_output){ "--output", s->output, "this is" }, 1, error));
 	GW_TRY(file_roles_check(VERB_SAMPLE, s, NULL, error));
 	return output_name_format(s->output, s->output_format, to, error);
 }

@@ -1,5 +1,6 @@
 #include "verbs/verbs.h"
 #include "scene/file_roles.h"
+#include "scene/stream_roles.h"
 #include "scene/glossy_points.h"
 #include "files/output_file.h"
 #include "scene/scene_file.h"
@@ -22,20 +23,15 @@ typedef struct sweep {
 	gw_error *error;
 } sweep;
 
-static bool is_stream(const char *path)
-{
-	return path && strcmp(path, "-") == 0;
-}
-
 static gw_status check(sweep *w)
 {
 	const settings *s = w->settings;
 	if (s->input_count == 0)
 		return gw_fail(w->error, GW_ERROR_USAGE,
 					   "what to light? Name an input, or - for standard input");
-	if (is_stream(s->csv) && is_stream(s->svg))
-		return gw_fail(w->error, GW_ERROR_USAGE,
-					   "standard output can hold one of --csv and --svg, not both");
+	const stream_output out[] = { { "--csv", s->csv, NULL }, { "--svg", s->svg, NULL } };
+	GW_TRY(stream_roles_check_inputs(s, w->error));
+	GW_TRY(stream_roles_check_outputs(out, sizeof out / sizeof *out, w->error));
 	GW_TRY(file_roles_check(VERB_TRADEOFF, s, NULL, w->error));
 	if (s->csv)
 		GW_TRY(output_file_create(&w->csv, s->csv, s->force, w->error));
@@ -155,7 +151,7 @@ static gw_status write_file(output_file **to, void (*print)(const tradeoff *, FI
 static gw_status show(sweep *w)
 {
 	const settings *s = w->settings;
-	FILE *out = is_stream(s->csv) || is_stream(s->svg) ? stderr : stdout;
+	FILE *out = stream_roles_standard(s->csv) || stream_roles_standard(s->svg) ? stderr : stdout;
 	print_table(&w->tradeoff, out);
 	if (w->csv)
 		GW_TRY(write_file(&w->csv, print_csv, &w->tradeoff, w->error));

@@ -20,8 +20,8 @@
 #define REGULAR 0.95     /* share of rows, and of points, that are not */
 #define SHARED_MOST 0.05 /* share of points whose cell another one has */
 #define DEPTHS_LEAST 1.1 /* ratio of far to near depths: else it may be a grid drawn on a wall */
-#define TANGENT_MOST 4.0 /* half the field of view of a camera, and twice over */
-#define ORDERED 0.99 /* share of steps through the file that stay in a row or go to a later one */
+#define TANGENT_MOST 2.0 /* of the directions in a camera's picture, in whatever part of it */
+#define ORDERED 0.99     /* share of steps through the file that go on as the picture does */
 
 /* How directions are counted. */
 typedef struct frame {
@@ -197,7 +197,7 @@ static size_t take_samples(rows *r, const frame *f, int k)
 		most = fmax(most, to[k]);
 		r->value[used++] = to[k];
 	}
-	bool in_view = !f->camera || (least < 0.0 && most > 0.0 && most - least < TANGENT_MOST);
+	bool in_view = !f->camera || (most < TANGENT_MOST && least > -TANGENT_MOST);
 	return used >= SAMPLES / 8 && far > DEPTHS_LEAST * near && in_view ? used : 0;
 }
 
@@ -286,22 +286,26 @@ static gw_status try_frame(rows *r, const frame *f, ruler to[2], bool *found, gw
 
 /* ------------------------------------------------------------------------------ what was found */
 
-/* Whether the rows go down y from the first point to the last, as a depth camera writes them. */
+/* Whether rows go down y in the order of the file, as depth cameras write them: row by row, or down
+ * one column after the other. */
 static bool goes_down(const rows *r, const frame *f, const ruler to[2])
 {
-	size_t steps = 0, ordered = 0;
+	size_t steps = 0, by_rows = 0, by_columns = 0;
 	uint32_t before = UINT32_MAX;
 	if (!f->camera || f->axis != 2 || f->ahead < 0.0)
 		return false;
 	for (size_t i = 0; i < r->count; i++) {
 		if (r->cell[i] == UINT32_MAX)
 			continue;
-		uint32_t row = r->cell[i] / to[0].count;
-		steps += before != UINT32_MAX;
-		ordered += before != UINT32_MAX && row >= before;
-		before = row;
+		uint32_t row = r->cell[i] / to[0].count, column = r->cell[i] % to[0].count;
+		uint32_t last = before / to[0].count, beside = before % to[0].count;
+		bool first = before == UINT32_MAX;
+		steps += !first;
+		by_rows += !first && row >= last;
+		by_columns += !first && (column > beside || (column == beside && row > last));
+		before = r->cell[i];
 	}
-	return (double)ordered > ORDERED * (double)steps;
+	return (double)(by_rows > by_columns ? by_rows : by_columns) > ORDERED * (double)steps;
 }
 
 /* Columns of uneven widths are no picture, but tell where the scanner stood. */

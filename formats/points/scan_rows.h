@@ -16,7 +16,7 @@
  * Looks for them as seen from the scan's one scanner, or from the origin if it has none; a camera
  * along z either way or along x, a scanner that turns about z or y. Where they are found, adds the
  * image, the scanner, a note, and -y as up of a camera whose rows go down y in the order of the
- * file.
+ * file. A part that was cut out of a picture, as of one thing in it, is found like all of it.
  * Of a scanner whose columns are of uneven widths, as of a laser on a head that does not turn
  * evenly, the place is added alone, with a note. A scan with images or several scanners stays as it
  * is, and so do one whose points are no longer in the frame of who took them, and one whose

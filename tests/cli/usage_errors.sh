@@ -25,6 +25,8 @@ run bake
 run bake a.ply
 run bake a.ply -o a.obj
 run bake - - -o out.ply
+cat /dev/null | run bake - /dev/stdin -o out.ply
+cat /dev/null | run tradeoff - /dev/stdin --light "$lamp"
 run bake a.ply -o - --report -
 run bake a.ply -o out.ply --vdb-half
 echo "{\"version\": 1}" | tee a.json >b.json

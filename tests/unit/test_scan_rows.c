@@ -20,6 +20,8 @@ typedef struct treatment {
 	bool uneven;    /* columns are off by up to 0.3 of their width, and all is written twice */
 	bool rings;     /* rows are off by as much */
 	bool blank;     /* one in fifty has no depth, and is written as 0, 0, 0 */
+	bool above;     /* a part of a picture, all of it above the camera */
+	bool columns;   /* one column after the other */
 	double rounded; /* to multiples of that; 0: not */
 	double shift;   /* along x, metres */
 } treatment;
@@ -36,9 +38,18 @@ static double depth_of(double u, double v)
 	return 1.0 / (round(200.0 / depth) / 200.0);
 }
 
+/* Which cell's point is at a place of the list. */
+static uint32_t cell_at(const treatment *t, uint32_t i)
+{
+	if (t->columns)
+		return i % ROWS * COLUMNS + i / ROWS;
+	return t->shuffled ? (uint32_t)(i * 4001ull % CELLS) : i; /* 4001 is prime */
+}
+
 static void place(const treatment *t, uint32_t cell, double p[3])
 {
 	double u = (cell % COLUMNS - 44.0) / 100.0, v = (cell / COLUMNS - 30.0) / 100.0;
+	v -= t->above ? 0.5 : 0.0;
 	u += t->uneven ? 0.003 * sin(7.0 * (cell % COLUMNS)) : 0.0;
 	v += t->rings ? 0.003 * sin(7.0 * (cell / COLUMNS)) : 0.0;
 	double depth = depth_of(u, v);
@@ -68,7 +79,7 @@ static scan take(const treatment *t)
 	for (uint32_t k = 0; k < cloud.count; k++) {
 		uint32_t i = k % CELLS;
 		double p[3];
-		place(t, t->shuffled ? (uint32_t)(i * 4001ull % CELLS) : i, p); /* 4001 is prime */
+		place(t, cell_at(t, i), p);
 		for (int axis = 0; axis < 3; axis++)
 			((float *)cloud.column[axis].data)[k] = (float)p[axis];
 	}
@@ -91,7 +102,7 @@ static void expect_cells(const treatment *t)
 	assert_int_equal(cloud.scanner_count, 1);
 	assert_true(cloud.scanner[0] == 0.0 && cloud.scanner[1] == 0.0 && cloud.scanner[2] == 0.0);
 	for (uint32_t i = 0; i < CELLS; i++) {
-		uint32_t cell = t->shuffled ? (uint32_t)(i * 4001ull % CELLS) : i;
+		uint32_t cell = cell_at(t, i);
 		assert_int_equal(cloud.image_cell[i], is_blank(t, cell) ? UINT32_MAX : cell);
 	}
 	assert_int_equal(cloud.comment_count, 1);
@@ -117,6 +128,9 @@ static void cells_are_found_again(void **state)
 	expect_cells(&(treatment){ .turns = true, .shuffled = true });
 	expect_cells(&(treatment){ .blank = true });
 	expect_cells(&(treatment){ .turns = true, .blank = true });
+	expect_cells(&(treatment){ .columns = true });
+	expect_cells(&(treatment){ .above = true });
+	expect_cells(&(treatment){ .above = true, .columns = true });
 	/* A hundredth of a cell, which is a hundredth wide, at 2 m: rounded by half of that. */
 	expect_cells(&(treatment){ .rounded = 2e-4 });
 }
