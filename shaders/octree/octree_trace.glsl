@@ -52,6 +52,19 @@ struct Stretch {
 	bool concave;       /* they meet as a floor and a wall do, seen from inside */
 };
 
+/* How a ray meets a facet: on its plane; behind it, where it enters the cell; or it goes along it.
+ */
+#define MEET_PLANE 0u
+#define MEET_BEHIND 1u
+#define MEET_ALONG 2u
+
+/* Where a ray may meet a facet, and whether there is surface for certain. */
+struct Meeting {
+	uint step;
+	float t;
+	bool covered;
+};
+
 float height_over(IN(Passage) facet, float t)
 {
 	return facet.approach * t - facet.rise;
@@ -101,32 +114,28 @@ float plane_overlap_for(float approach)
  * Seen from in front a plane may reach far beyond its cell, since what lies behind the surface is
  * dark anyway; seen from behind it would stick out over convex edges and shadow them.
  */
-bool meets_plane(IN(Ray) ray, IN(Stretch) stretch, IN(Passage) own, INOUT(Hit) hit)
+bool meets_plane(IN(Ray) ray, IN(Stretch) stretch, IN(Passage) own, INOUT(Hit) hit,
+				 INOUT(Meeting) meeting)
 {
-	if (abs(own.approach) < 1e-6f)
+	meeting.t = own.rise / own.approach;
+	if (abs(own.approach) < 1e-6f || meeting.t < 0.0f || meeting.t >= hit.t)
 		return false;
-	float distance = own.rise / own.approach;
-	if (distance < 0.0f || distance >= hit.t)
-		return false;
-	vec3 off = ray.origin + ray.direction * distance - stretch.centre;
+	vec3 off = ray.origin + ray.direction * meeting.t - stretch.centre;
 	float beyond = max(abs(off.x), max(abs(off.y), abs(off.z))) - 0.5f;
 	if (beyond > plane_overlap_for(own.approach))
 		return false;
-	if (distance < GW_NEAR &&
+	if (meeting.t < GW_NEAR &&
 		(own.approach > 0.0f ? !lies_over_start(ray, own.facet, own.rise)
 							 : !rises_over_start(ray, own, dot(own.normal, ray.facing))))
 		return false;
-	if (is_passed(ray, own.normal, distance))
+	if (is_passed(ray, own.normal, meeting.t))
 		return false;
 	if (own.approach > 0.0f && !stops_from_behind(own.facet)) {
 		hit.passed_back_face = true;
 		if (!ray.both_sides)
 			return false;
 	}
-	bool covered = stretch.covered && beyond <= GW_PLANE_BACK_OVERLAP;
-	if (!holds(ray, covered, stretch.concave, own.facet, distance))
-		return false;
-	hit.t = distance;
+	meeting.covered = stretch.covered && beyond <= GW_PLANE_BACK_OVERLAP;
 	return true;
 }
 
@@ -142,38 +151,54 @@ bool came_through(IN(Ray) ray, IN(Stretch) stretch, IN(Passage) own, IN(Passage)
 	float height = height_over(own, stretch.enter);
 	if (!(height < 0.0f))
 		return false;
-	if (stretch.enter < GW_NEAR) {
-		if (like || height < -GW_NOISE_DEPTH || own.approach >= 0.0f ||
-			!rises_over_start(ray, own, 0.0f) ||
-			!is_along_crease(own.facet, ray.facing, ray.origin))
-			return false;
-	} else if (!like || last.facet == GW_NONE || stretch.enter - last.leave > GW_GAP_MOST ||
-			   height_over(last, last.leave) < 0.0f) {
-		return false;
-	}
-	return holds(ray, stretch.covered, stretch.concave, own.facet, stretch.enter);
+	if (stretch.enter < GW_NEAR)
+		return !like && height >= -GW_NOISE_DEPTH && own.approach < 0.0f &&
+			   rises_over_start(ray, own, 0.0f) &&
+			   is_along_crease(own.facet, ray.facing, ray.origin);
+	return like && last.facet != GW_NONE && stretch.enter - last.leave <= GW_GAP_MOST &&
+		   height_over(last, last.leave) >= 0.0f;
 }
 
-/* One facet of a cell; `last` becomes it when it is of the surface that the ray goes along. */
+/* Whether the ray meets the facet there if there is surface, or goes along it; and where that is.
+ */
+bool may_meet(IN(Ray) ray, IN(Stretch) stretch, IN(Passage) own, IN(Passage) last, INOUT(Hit) hit,
+			  INOUT(Meeting) meeting)
+{
+	bool like = dot(own.normal, last.normal) > GW_LIKE_COSINE;
+	meeting.covered = stretch.covered;
+	if (meeting.step == MEET_PLANE)
+		return meets_plane(ray, stretch, own, hit, meeting);
+	if (meeting.step == MEET_BEHIND) {
+		meeting.t = stretch.enter;
+		return meeting.t < hit.t && came_through(ray, stretch, own, last, like) &&
+			   !is_passed(ray, own.normal, meeting.t);
+	}
+	meeting.t = stretch.leave;
+	meeting.covered =
+		meeting.covered || stretch.enter >= GW_NEAR || height_over(own, stretch.leave) >= 0.0f;
+	return like;
+}
+
+/* One facet of a cell; `last` becomes it when it is of the surface that the ray goes along. Whether
+ * there is surface is asked in one place, since drivers write functions out where they are called.
+ */
 void meet_facet(IN(Ray) ray, IN(Stretch) stretch, uint slot, INOUT(Passage) last, INOUT(Hit) hit)
 {
 	vec4 plane = texelFetch(facet_plane, int(slot));
 	float rise = plane.w - dot(plane.xyz, ray.origin - stretch.centre);
 	Passage own = { slot, plane.xyz, dot(plane.xyz, ray.direction), rise, stretch.leave };
-	if (meets_plane(ray, stretch, own, hit)) {
-		hit.facet = slot;
+	for (uint step = MEET_PLANE; step <= (TRACE_DISCS ? MEET_ALONG : MEET_PLANE); step++) {
+		Meeting meeting = { step, 0.0f, false };
+		if (!may_meet(ray, stretch, own, last, hit, meeting) ||
+			!holds(ray, meeting.covered, stretch.concave, slot, meeting.t))
+			continue;
+		if (step == MEET_ALONG) {
+			last = own;
+		} else {
+			hit.facet = slot;
+			hit.t = step == MEET_PLANE ? meeting.t : min(hit.t, stretch.leave);
+		}
 		return;
-	}
-	if (!TRACE_DISCS)
-		return;
-	bool like = dot(own.normal, last.normal) > GW_LIKE_COSINE;
-	if (stretch.enter < hit.t && came_through(ray, stretch, own, last, like) &&
-		!is_passed(ray, own.normal, stretch.enter)) {
-		hit.facet = slot;
-		hit.t = min(hit.t, stretch.leave);
-	} else if (like && (stretch.enter >= GW_NEAR || height_over(own, stretch.leave) >= 0.0f ||
-						holds(ray, stretch.covered, stretch.concave, slot, stretch.leave))) {
-		last = own;
 	}
 }
 
@@ -252,7 +277,7 @@ Walk walk_of(IN(Ray) ray, float side)
 	vec3a ahead =
 		vec3a(d.x >= 0.0f ? 1.0f : -1.0f, d.y >= 0.0f ? 1.0f : -1.0f, d.z >= 0.0f ? 1.0f : -1.0f);
 	vec3a inverse = vec3a(inverse_of(d.x), inverse_of(d.y), inverse_of(d.z));
-	Walk walk = { vec3a(ray.origin), vec3a(d), inverse, ahead, 0.5f * (ahead * ahead + ahead),
+	Walk walk = { vec3a(ray.origin),    vec3a(d), inverse, ahead, 0.5f * (ahead * ahead + ahead),
 				  ivec3a(int(side) - 1) };
 	return walk;
 }
