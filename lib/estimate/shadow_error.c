@@ -6,6 +6,7 @@
 #include "base/luminance.h"
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "light/transport_layout.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -30,13 +31,19 @@ static double reflected(const shadow_edges *e, size_t surfel, size_t at)
 		   M_PI;
 }
 
-/* How far off the edge between two surfels is, in spacings: is anything hidden from the darker one,
- * and does what hides it end at a crease? */
-static double offset_between(const shadow_edges *e, size_t i, size_t j)
+/*
+ * How far off the edge between two surfels is, in spacings: is anything hidden from the darker one,
+ * and does what hides it end at a crease? What is hidden counts as many times as the edge is
+ * further off than what casts it; so that is how many times the light between them it is.
+ *   lost   by how much the darker one's light is less
+ */
+static double offset_between(const shadow_edges *e, size_t i, size_t j, double lost)
 {
 	const float *a = e->direct + 4 * i, *b = e->direct + 4 * j;
 	float hidden = gw_luminance(a) < gw_luminance(b) ? a[3] : b[3];
-	return hidden > 0.0f ? GW_EDGE_OFFSET : hidden < 0.0f ? GW_CREASE_OFFSET : 0.0;
+	double light = gw_luminance(e->surfels->albedo + 3 * i) / M_PI * (double)hidden;
+	double further = fmax(1.0, fmin(light / lost, (double)GW_FURTHER_MOST));
+	return hidden > 0.0f ? further * GW_EDGE_OFFSET : hidden < 0.0f ? GW_CREASE_OFFSET : 0.0;
 }
 
 /* Mean over the neighbours of the squared difference, as far as it is a shadow's edge, times how
@@ -52,7 +59,7 @@ static double edge_at(const shadow_edges *e, size_t i)
 		double other = reflected(e, i, j);
 		neighbours++;
 		if (fmin(own, other) < EDGE_RATIO * fmax(own, other))
-			sum += offset_between(e, i, j) * (own - other) * (own - other);
+			sum += offset_between(e, i, j, fabs(own - other)) * (own - other) * (own - other);
 	}
 	return neighbours ? sum / neighbours : 0.0;
 }

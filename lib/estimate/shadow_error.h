@@ -11,8 +11,8 @@
  *
  * Edges are taken to be off by what free edges of surface among random points are, or, where what
  * hides the light ends at a crease, by the little that creases are: their place is known from both
- * sides; and by nothing there where the lamp has an extent. Where the lamp is much nearer to the
- * edge than the shadow is, more is wrong.
+ * sides; and by nothing there where the lamp has an extent. Where a lamp is nearer to what casts
+ * the shadow than to the shadow, the shadow's edge is off by as many times more.
  */
 #ifndef SHADOW_ERROR_H
 #define SHADOW_ERROR_H
@@ -30,7 +30,8 @@
  * Expected mean over the counted surfels of the squared error of luminance that misplaced edges
  * bring.
  *   direct       4 a surfel, irradiance from lamps, and luminance of what of it is hidden: below 0
- *                by surface that ends at a crease
+ *                by surface that ends at a crease, else as many times as the shadow's edge is
+ *                further off than what casts it
  *   counts       one a surfel: whether its error counts
  *   threads      as for gw_parallel_for
  *   mean_square  receives it, (W/(sr m^2))^2; 0 when none counts

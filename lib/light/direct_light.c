@@ -551,6 +551,6 @@ gw_status gw_light_share(const gw_lit_cloud *cloud, const gw_light *light, float
 	gw_buffer_destroy(cloud->passes->gpu, &lamp.distribution);
 	GW_TRY(status);
 	for (size_t i = 0; i < cloud->surfels->count; i++)
-		share[i] -= share[i] >= GW_HIDDEN_BY_CREASE ? GW_HIDDEN_BY_CREASE : 0.0f;
+		share[i] = GW_SHARE_SEEN(share[i]);
 	return GW_OK;
 }

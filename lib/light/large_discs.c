@@ -208,8 +208,7 @@ static void light_discs(void *user, size_t first, size_t last, uint32_t worker)
 	for (size_t i = first; i < last; i++) {
 		size_t surfel = l->discs->surfel[i];
 		const float *normal = l->normal + 4 * surfel;
-		float seen = push->shadows ? l->visibility[surfel] : 1.0f;
-		seen -= seen >= GW_HIDDEN_BY_CREASE ? GW_HIDDEN_BY_CREASE : 0.0f;
+		float seen = push->shadows ? GW_SHARE_SEEN(l->visibility[surfel]) : 1.0f;
 		bool dark = normal[0] == 0.0f && normal[1] == 0.0f && normal[2] == 0.0f;
 		/* What is lit from both sides has no front that all of its places share. */
 		if (dark || normal[3] > 0.5f || !(seen > 0.0f) ||

@@ -25,10 +25,9 @@ void main()
 	float distance;
 	vec3 towards, power = push.intensity.xyz;
 	float e = light_received(surfel_position[i].xyz, surfel_normal[i], towards, distance);
-	float seen = push.shadows != 0u ? visibility[i] : 1.0f, sign = 1.0f;
-	if (seen >= GW_HIDDEN_BY_CREASE) {
-		seen -= GW_HIDDEN_BY_CREASE;
+	float told = push.shadows != 0u ? visibility[i] : 1.0f, seen = GW_SHARE_SEEN(told);
+	float sign = told < 0.0f ? -told : 1.0f;
+	if (told >= GW_HIDDEN_BY_CREASE)
 		sign = push.samples > 1u ? 0.0f : -1.0f;
-	}
 	irradiance[i] += vec4(e * power * seen, e * luminance(power) * (sign * (1.0f - seen)));
 }

@@ -3,8 +3,8 @@
  *
  * One invocation a surfel. A light without extent gets one ray; one with a radius gets
  * push.samples rays to points spread over the disc that it shows: first to its rim, and to the rest
- * of it only where some of these see it and some do not. GW_HIDDEN_BY_CREASE is added
- * where what hides the light ends at creases. Surface that lets light through dims it.
+ * of it only where some of these see it and some do not. What hides the light is told as
+ * GW_HIDDEN_BY_CREASE says. Surface that lets light through dims it.
  */
 #include "octree/octree_layout.h"
 #include "light/transport_layout.h"
@@ -61,7 +61,15 @@ float aim(uint s, vec4 normal, vec3 towards, float distance, float turn, INOUT(R
 	return weight * light_cosine(normal, ray.direction);
 }
 
-/* Share of the light that is seen from where the ray begins. */
+/* A shadow's edge is as much further off than what casts it as it is further from the light. */
+float edge_further(float distance, float hit)
+{
+	if (push.type == GW_PUSH_SUN)
+		return 1.0f;
+	return distance / max(distance - hit, distance / GW_FURTHER_MOST);
+}
+
+/* Share of the light that is seen from where the ray begins, or why none is. */
 float share_seen(vec4 normal, vec3 towards, float distance, float turn, INOUT(Ray) ray)
 {
 	vec3 facing = ray.facing;
@@ -72,12 +80,14 @@ float share_seen(vec4 normal, vec3 towards, float distance, float turn, INOUT(Ra
 			continue;
 		vec3 to = is_area_light() ? ray.direction : towards;
 		ray.facing = dot(normal.xyz, to) < 0.0f ? -facing : facing;
-		uint facet = trace_through(ray, GW_THROUGH_LEAST, through).facet;
+		Hit hit = trace_through(ray, GW_THROUGH_LEAST, through);
 		whole += weight;
-		if (facet == GW_NONE)
+		if (hit.facet == GW_NONE)
 			seen += weight * through;
-		else if (ends_at_crease(facet))
+		else if (ends_at_crease(hit.facet))
 			hidden = GW_HIDDEN_BY_CREASE;
+		else if (push.samples == 1u)
+			return -edge_further(distance, hit.t);
 		if (s + 1u == GW_LIGHT_RIM && !is_area_light() &&
 			(seen == 0.0f || seen == float(GW_LIGHT_RIM)))
 			break;

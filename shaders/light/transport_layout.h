@@ -52,8 +52,17 @@
 #define GW_PUSH_DISC 4u
 #define GW_PUSH_RECTANGLE 5u
 
-/* Added to a visibility, which is at most 1, where what hides the light ends at a crease. */
+/* Added to a visibility, which is at most 1, where what hides the light ends at a crease. Where
+ * something else hides a light of no extent, the visibility is minus how many times as far off as
+ * that the shadow's edge is, at most GW_FURTHER_MOST. */
 #define GW_HIDDEN_BY_CREASE 2.0f
+#define GW_FURTHER_MOST 16.0f
+
+/* The share of the light that a visibility says is seen. */
+#define GW_SHARE_SEEN(visibility)                                                                  \
+	((visibility) < 0.0f                   ? 0.0f                                                  \
+	 : (visibility) >= GW_HIDDEN_BY_CREASE ? (visibility)-GW_HIDDEN_BY_CREASE                      \
+										   : (visibility))
 
 /* One light, for its visibility and its irradiance. */
 SHARED_STRUCT(gw_light_push)
