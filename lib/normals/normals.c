@@ -272,23 +272,26 @@ static void estimate_normal(void *user, size_t surfel, const gw_neighbour_list *
 	}
 }
 
-/* Whether the neighbours of a surfel show that they lie on several surfaces, and few on one. */
+/* Whether the neighbours of a surfel show that they lie on several surfaces, and few on one. Where
+ * most are no thin things, it is of the edge of a wall. */
 static void judge_few(void *user, size_t surfel, const gw_neighbour_list *list)
 {
 	normal_step *step = user;
 	float of_few = 0, of_all = 0, planes = 0;
+	uint32_t thin = 0;
 	if (!(step->few[4 * surfel + 3] < step->plane[4 * surfel + 3]))
 		return;
 	for (uint32_t j = 0; j <= list->count; j++) {
 		size_t other = j < list->count ? list->index[j] : surfel;
 		float all = step->plane[4 * other + 3];
+		thin += step->thin[other] > 0;
 		if (all < INFINITY) {
 			of_few += fminf(step->few[4 * other + 3], all);
 			of_all += all;
 			planes++;
 		}
 	}
-	if (of_all > SEVERAL * planes && of_few < FEW_SHARE * of_all)
+	if (2 * thin > list->count && of_all > SEVERAL * planes && of_few < FEW_SHARE * of_all)
 		step->state[surfel] |= OF_FEW;
 }
 
