@@ -2,6 +2,7 @@
 #include "surfels/filled_space.h"
 
 #include "base/memory.h"
+#include "normals/normals.h"
 #include "surfels/beam_area.h"
 #include "surfels/surfel_plane.h"
 
@@ -268,7 +269,7 @@ gw_status gw_filled_space_find(const gw_points *points, gw_neighbours *search,
 							   const gw_surfels *surfels, gw_lone_points *lone, gw_error *error)
 {
 	filled_step step = { .surfels = surfels };
-	*lone = (gw_lone_points){ 0 };
+	*lone = (gw_lone_points){ .sides_known = gw_normals_face_scanner(points) };
 	step.thickness = gw_allocate_array(surfels->count, sizeof *step.thickness);
 	step.filled = lone->filled = gw_allocate_zeros(surfels->count, 1);
 	step.foliage = lone->foliage = gw_allocate_zeros(surfels->count, 1);

@@ -16,6 +16,7 @@ typedef struct gw_lone_points {
 	uint8_t *foliage; /* count, owned, 1: and most of those around it are, too */
 	float *area;      /* count or NULL, owned, m^2: what its disc has to have; 0: as those around it
 						 leave */
+	bool sides_known; /* normals that were missing face the scanner */
 } gw_lone_points;
 
 /*

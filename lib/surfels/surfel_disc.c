@@ -348,7 +348,8 @@ static gw_status find_foliage(const disc_step *step, gw_error *error)
 
 /* Isolated surfels are no larger than the median of the others. They are lit from both sides, but
  * for those whose normal was given and that have others all around: they lie in creases, and what
- * is behind them is rock. Leaves are lit from both sides, too, unless their sides were given. */
+ * is behind them is rock. Leaves are lit from both sides, too, unless their sides were given, or
+ * turned to the scanner that saw them: what lights the other side is of no use to this one. */
 static gw_status finish(disc_step *step, gw_error *error)
 {
 	gw_surfels *s = step->surfels;
@@ -369,7 +370,7 @@ static gw_status finish(disc_step *step, gw_error *error)
 			if (!given || !step->amid[i])
 				s->two_sided[i] = 1;
 		}
-		if (step->lone->filled[i] && s->normals_given < s->count)
+		if (step->lone->filled[i] && s->normals_given < s->count && !step->lone->sides_known)
 			s->two_sided[i] = 1;
 		if (s->transparency && is_foliage(step, i))
 			make_foliage(s, i);

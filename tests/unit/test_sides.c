@@ -649,10 +649,161 @@ static void test_patches_join(void **state)
 	gw_patch_groups_free(groups);
 }
 
+/* ------------------------------------------------------------------------------------- leaves */
+
+#define LEAF_POINTS 6
+#define LEAVES_ALONG 9
+
+/* One of 90 by 60 millimetres whose points a scanner saw, or none if it is seen edge-on. */
+static void add_leaf(cloud *c, const double middle[3], const double scanner[3], uint64_t *random)
+{
+	double z = 2 * next_random(random) - 1, r = sqrt(1 - z * z);
+	double turn = 2 * PI * next_random(random), to = 0, away = 0;
+	double n[3] = { r * cos(turn), r * sin(turn), z };
+	for (int k = 0; k < 3; k++) {
+		to += n[k] * (scanner[k] - middle[k]);
+		away += (scanner[k] - middle[k]) * (scanner[k] - middle[k]);
+	}
+	if (fabs(to) < 0.3 * sqrt(away))
+		return;
+	for (int k = 0; k < 3; k++)
+		n[k] = to < 0 ? -n[k] : n[k];
+	const float normal[3] = { (float)n[0], (float)n[1], (float)n[2] };
+	float t[3], b[3];
+	gw_tangent_frame(normal, t, b);
+	for (int i = 0; i < LEAF_POINTS; i++) {
+		double x = 0.09 * (next_random(random) - 0.5), y = 0.06 * (next_random(random) - 0.5), p[3];
+		for (int k = 0; k < 3; k++)
+			p[k] = middle[k] + x * (double)t[k] + y * (double)b[k];
+		add(c, p, n);
+	}
+}
+
+/* Some 17 cm apart, as in a tree. */
+static void add_leaves(cloud *c, const double scanner[3])
+{
+	uint64_t random = 5;
+	for (int i = 0; i < LEAVES_ALONG * LEAVES_ALONG * LEAVES_ALONG; i++) {
+		const int cell[3] = { i % LEAVES_ALONG, i / LEAVES_ALONG % LEAVES_ALONG,
+							  i / LEAVES_ALONG / LEAVES_ALONG };
+		double middle[3];
+		for (int k = 0; k < 3; k++)
+			middle[k] = 0.17 * (cell[k] + 0.6 * (next_random(&random) - 0.5));
+		add_leaf(c, middle, scanner, &random);
+	}
+}
+
+/* What became of them: shares of the points. */
+typedef struct leaf_shares {
+	double right;    /* on the side that the scanner saw */
+	double near;     /* and within 30 degrees of the leaf's normal */
+	double one_side; /* lit from one side */
+} leaf_shares;
+
+static leaf_shares light_leaves(const cloud *c, const double scanner[3], const float *own_area)
+{
+	const gw_points points = { .count = c->count,
+							   .position = c->position,
+							   .scanner = scanner,
+							   .scanner_count = 1,
+							   .own_area = own_area };
+	const gw_surfels_options options = { 0 };
+	leaf_shares found = { 0 };
+	gw_surfels s;
+	gw_error error;
+	assert_ok(gw_surfels_make(&points, &options, &s, &error), &error);
+	size_t counted = 0;
+	for (size_t i = 0; i < c->count; i++) {
+		size_t surfel = s.surfel_of_point[i];
+		if (surfel == UINT32_MAX)
+			continue;
+		const float *n = s.normal + 3 * surfel, *m = c->normal + 3 * i;
+		float cosine = n[0] * m[0] + n[1] * m[1] + n[2] * m[2];
+		found.right += cosine > 0;
+		found.near += cosine > 0.866f;
+		found.one_side += s.two_sided[surfel] == 0;
+		counted++;
+	}
+	gw_surfels_clear(&s);
+	assert_true(counted > c->count / 2);
+	found.right /= (double)counted;
+	found.near /= (double)counted;
+	found.one_side /= (double)counted;
+	return found;
+}
+
+/*
+ * Rows and columns of the scan told that each point covers a part of a leaf by itself. 0.91, 0.68
+ * and 0.90 were measured, the rest of which is seen nearly edge-on or alone; planes through all
+ * neighbours, which lie on several leaves, are right in 0.78 and near in 0.17, as planes of any
+ * direction that face the scanner would be, and were lit from both sides.
+ */
+static void test_leaves_before_scanner(void **state)
+{
+	(void)state;
+	const double scanner[3] = { 0.7, -3, 0.5 };
+	cloud *c = new_cloud();
+	add_leaves(c, scanner);
+	float *own_area = calloc(c->count, sizeof *own_area);
+	assert_non_null(own_area);
+	for (size_t i = 0; i < c->count; i++)
+		own_area[i] = 0.09f * 0.06f / LEAF_POINTS;
+	leaf_shares found = light_leaves(c, scanner, own_area);
+	if (!(found.right > 0.85 && found.near > 0.6 && found.one_side > 0.85))
+		fail_msg(
+			"of leaves %.1f %% face the scanner, %.1f %% as they lie, %.1f %% are lit from there",
+			100 * found.right, 100 * found.near, 100 * found.one_side);
+	free(own_area);
+	free(c);
+}
+
+#define COLUMNS 10
+#define ROWS 40
+
+/* One of two walls that meet, in columns 20 cm apart of points 5 cm apart, 3 mm off at most. */
+static void add_columns(cloud *c, int along, uint64_t *random)
+{
+	double normal[3] = { 0 };
+	normal[1 - along] = 1;
+	for (int i = 0; i < COLUMNS * ROWS; i++) {
+		double p[3] = { 0, 0, 0.05 * (i / COLUMNS) };
+		p[along] = 0.15 + 0.2 * (i % COLUMNS);
+		p[1 - along] = 0.006 * (next_random(random) - 0.5);
+		add(c, p, normal);
+	}
+}
+
+/*
+ * Where columns are so far apart that each looks like a thing by itself, the nearest points lie on
+ * a line. All are as the wall is; with planes through lines, which noise turns around them, 0.90
+ * were (measured).
+ */
+static void test_columns_far_apart(void **state)
+{
+	(void)state;
+	const double scanner[3] = { 1.3, 1.2, 1 };
+	uint64_t random = 5;
+	cloud *c = new_cloud();
+	add_columns(c, 0, &random);
+	add_columns(c, 1, &random);
+	float *own_area = calloc(c->count, sizeof *own_area);
+	assert_non_null(own_area);
+	for (size_t i = 0; i < c->count; i++)
+		own_area[i] = 0.2f * 0.05f;
+	leaf_shares found = light_leaves(c, scanner, own_area);
+	if (!(found.right > 0.99 && found.near > 0.99))
+		fail_msg("of walls %.2f %% face the scanner, %.2f %% as they lie", 100 * found.right,
+				 100 * found.near);
+	free(own_area);
+	free(c);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(test_closed_thing),
+		cmocka_unit_test(test_leaves_before_scanner),
+		cmocka_unit_test(test_columns_far_apart),
 		cmocka_unit_test(test_horned_body),
 		cmocka_unit_test(test_lit_from_within),
 		cmocka_unit_test(test_room),
