@@ -22,6 +22,7 @@ grep -o -e '"good": true' -e '"devices_that_bake": 1' \
 grep -c 'may take 1.07 GB' one.json
 
 # Nothing to run on, and a home that is not there.
+unset MESA_SHADER_CACHE_DIR
 HOME=/nowhere XDG_CACHE_HOME='' VK_ICD_FILENAMES=/nowhere.json glowworm doctor >all.txt
 echo "no driver: $?"
 grep -E 'BAD|shader cache' all.txt
