@@ -277,7 +277,7 @@ Walk walk_of(IN(Ray) ray, float side)
 	vec3a ahead =
 		vec3a(d.x >= 0.0f ? 1.0f : -1.0f, d.y >= 0.0f ? 1.0f : -1.0f, d.z >= 0.0f ? 1.0f : -1.0f);
 	vec3a inverse = vec3a(inverse_of(d.x), inverse_of(d.y), inverse_of(d.z));
-	Walk walk = { vec3a(ray.origin),    vec3a(d), inverse, ahead, 0.5f * (ahead * ahead + ahead),
+	Walk walk = { vec3a(ray.origin), vec3a(d), inverse, ahead, 0.5f * (ahead * ahead + ahead),
 				  ivec3a(int(side) - 1) };
 	return walk;
 }
