@@ -608,6 +608,7 @@ typedef struct gw_stray_count {
  * gathered at some hundred places. */
 typedef struct gw_forecast {
 	uint32_t places;       /* where light was gathered for it; 0: nothing is foretold */
+	uint32_t cell_rays;    /* with which each cell of a volume was lit for it; 0: none was */
 	uint64_t records;      /* that the bake will have */
 	float record_spacing;  /* of these, leaf cells */
 	double seconds;        /* of gw_bake, from its call to its return */

@@ -207,6 +207,12 @@ void bake_plan_print(const bake_plan_forecast *p, FILE *out)
 	if (p->following > 0)
 		fprintf(out, "%-12s the first frame by %.2f s, each of %" PRIu32 " more in %.2f s\n", "",
 				p->read_seconds + f->seconds, p->following, f->frame_seconds);
+	else if (f->cell_rays > 0)
+		fprintf(out,
+				"%-12s by cells lit with %" PRIu32 " of %" PRIu32
+				" rays each, which took %.2f s; %.2f s were done by then\n",
+				"", f->cell_rays, p->settings->bake.rays, f->own_seconds,
+				p->read_seconds + f->done_seconds);
 	else if (f->places > 0)
 		fprintf(out,
 				"%-12s by light gathered at %" PRIu32 " of %" PRIu64

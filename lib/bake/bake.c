@@ -130,12 +130,8 @@ static gw_status foretell_halves(bake *b, const gw_bake_result *light, gw_error 
 	return gw_half_forecast_add(&task, light, b->report, error);
 }
 
-/* Volumes and the placing of probes take as long with few records as with all. */
 static gw_status foretell_all(bake *b, double done, gw_bake_result *light, gw_error *error)
 {
-	gw_method method = b->scene.options.method;
-	if (gw_method_has_cells(method) || method == GW_METHOD_PROBES)
-		return GW_OK;
 	GW_TRY(gw_forecast_make(&b->light, done, b->result, light, error));
 	return light ? foretell_halves(b, light, error) : GW_OK;
 }

@@ -5,6 +5,10 @@
  * as they will with many; the rest of a stage (weights of facets, tables of emitters, sums) goes
  * with the octree and takes as long as it will. Noise of a record's rays is the same, and the rest
  * of the error falls as records become more (error_price.h).
+ *
+ * Where a volume gathers, records only read it, and all of them do; its cells are few or many by
+ * what lies in them, so all are lit, with few rays. Light that goes from cell to cell has none to
+ * save, and maps of probes are made once, for the pilot and what follows.
  */
 #include "bake/forecast.h"
 
@@ -13,6 +17,7 @@
 #include "bake/report.h"
 #include "bake/result.h"
 #include "bake/record_steps.h"
+#include "bake/scene_probes.h"
 #include "bake/scene_records.h"
 #include "bake/options_check.h"
 #include "bake/lighting_steps.h"
@@ -29,6 +34,10 @@
 #define PILOT_SHARE (1.0 / 12.0)
 #define PILOT_LEAST 500.0
 
+/* Rays of a cell in the pilot: a share of what it will have, and at least so many. */
+#define PILOT_CELL_SHARE (1.0 / 6.0)
+#define PILOT_CELL_LEAST 8u
+
 /* The number of records goes with this power of their spacing (error_price.c). */
 #define RECORDS_POWER 1.7
 
@@ -38,9 +47,10 @@
 /* Errors below this are not told apart: the scatter of a pilot of some hundred places. */
 #define SPREAD_LEAST 5e-4
 
-/* What a stage of the pilot took: in all, and of that in passes over records. */
+/* What a stage of the pilot took: in all, and of that in passes over records, and in those that go
+ * with the rays of a volume's cells. */
 typedef struct spent {
-	double seconds, of_records;
+	double seconds, of_records, of_cells;
 } spent;
 
 /* All that the pilot measures. */
@@ -54,6 +64,7 @@ typedef struct pilot {
 	uint64_t records;                    /* that the bake will have */
 	float spacing;                       /* with which they will be placed, leaf cells */
 	double ratio;                        /* of these to the pilot's */
+	double cell_ratio;                   /* likewise of the rays of a volume's cells */
 	double point_ratio;                  /* likewise of points that are solved again */
 	spent place, first, bounce, read_back, estimate;
 	uint64_t before, grown; /* bytes on the device; and by how much they will be more, */
@@ -75,6 +86,14 @@ double gw_pilot_record_seconds(const gw_passes *passes)
 	return seconds;
 }
 
+/* Seconds of passes that go with the rays of a volume's cells, but for those that look for them. */
+static double cell_seconds(const gw_scene *s)
+{
+	double rays = (double)s->volume.rays * s->volume.count, looked = (double)s->volume.looked;
+	return s->passes.device_seconds[GW_PASS_VOLUME_FILL] +
+		   s->passes.device_seconds[GW_PASS_VOLUME_RAYS] * rays / fmax(rays + looked, 1.0);
+}
+
 static gw_status place(gw_lighting *lighting, gw_error *error)
 {
 	return gw_scene_place_records(lighting->scene, error);
@@ -84,19 +103,29 @@ static gw_status place(gw_lighting *lighting, gw_error *error)
 static gw_status measure(pilot *p, gw_status (*stage)(gw_lighting *, gw_error *), spent *sum,
 						 gw_error *error)
 {
-	const gw_passes *passes = &p->lighting->scene->passes;
-	double start = gw_seconds(), before = gw_pilot_record_seconds(passes);
+	const gw_scene *scene = p->lighting->scene;
+	double start = gw_seconds(), before = gw_pilot_record_seconds(&scene->passes);
+	double cells_before = cell_seconds(scene);
 	GW_TRY(stage(p->lighting, error));
 	sum->seconds += gw_seconds() - start;
-	sum->of_records += gw_pilot_record_seconds(passes) - before;
+	sum->of_records += gw_pilot_record_seconds(&scene->passes) - before;
+	sum->of_cells += cell_seconds(scene) - cells_before;
 	return GW_OK;
 }
 
 /* What the bake's own stage will take. */
-static double scaled(const spent *s, double ratio)
+static double scaled(const pilot *p, const spent *s)
 {
 	double of_records = fmin(s->of_records, s->seconds);
-	return s->seconds - of_records + ratio * of_records;
+	double of_cells = fmin(s->of_cells, s->seconds - of_records);
+	return s->seconds + (p->ratio - 1.0) * of_records + (p->cell_ratio - 1.0) * of_cells;
+}
+
+/* The same of points that are solved again. */
+static double scaled_estimate(const pilot *p)
+{
+	double of_points = fmin(p->estimate.of_records, p->estimate.seconds);
+	return p->estimate.seconds + (p->point_ratio - 1.0) * of_points;
 }
 
 float gw_pilot_spacing(uint64_t records, float spacing)
@@ -106,6 +135,16 @@ float gw_pilot_spacing(uint64_t records, float spacing)
 		return spacing;
 	double wider = pow((double)records / wanted, 1.0 / RECORDS_POWER);
 	return fminf((float)(fmax((double)spacing, 1.0) * wider), 64.0f);
+}
+
+/* Few rays of a volume's cells, of which all records read. */
+static void choose_cell_rays(pilot *p)
+{
+	gw_bake_options *o = &p->lighting->scene->options;
+	double few = fmax(PILOT_CELL_SHARE * o->rays, PILOT_CELL_LEAST);
+	if (o->method == GW_METHOD_VOLUME && few < (double)o->rays)
+		o->rays = (uint32_t)few;
+	p->cell_ratio = (double)p->asked.rays / o->rays;
 }
 
 /* How many records there will be, and the spacing that leaves few of them. */
@@ -118,8 +157,12 @@ static gw_status choose_records(pilot *p, gw_error *error)
 	p->records = s->records.count;
 	p->spacing = s->records.spacing;
 	gw_scene_drop_records(s);
-	s->options.record_spacing = gw_pilot_spacing(p->records, p->spacing);
-	s->options.least_records = s->options.most_records = 0;
+	if (gw_method_has_cells(p->asked.method)) {
+		choose_cell_rays(p);
+	} else {
+		s->options.record_spacing = gw_pilot_spacing(p->records, p->spacing);
+		s->options.least_records = s->options.most_records = 0;
+	}
 	uint32_t points = gw_estimate_points(p->asked.estimate_points, (uint32_t)p->records);
 	s->options.estimate_points = points < PILOT_POINTS ? points : PILOT_POINTS;
 	return GW_OK;
@@ -157,6 +200,7 @@ static gw_status keep_light(const pilot *p, gw_error *error)
 	GW_TRY(gw_result_collect(p->lighting, p->light, error));
 	p->light->report.error = p->report->error;
 	p->light->report.record_spacing = p->lighting->scene->options.record_spacing;
+	p->light->report.forecast.cell_rays = p->lighting->scene->volume.rays;
 	return GW_OK;
 }
 
@@ -172,7 +216,8 @@ static gw_status run_stages(pilot *p, gw_error *error)
 	GW_TRY(measure(p, gw_lighting_read_back, &p->read_back, error));
 	GW_TRY(gw_result_share_light(p->lighting, p->plan, error));
 	uint64_t now = gw_gpu_read_account(s->gpu).bytes;
-	p->more = (uint64_t)((p->ratio - 1.0) * (double)gw_pilot_record_bytes(s));
+	p->more = (uint64_t)((p->ratio - 1.0) * (double)gw_pilot_record_bytes(s) +
+						 (p->cell_ratio - 1.0) * (double)s->volume.hit.allocated);
 	p->grown = now - p->before + p->more;
 	if (!p->lighting->plan.error)
 		return GW_OK;
@@ -206,10 +251,25 @@ static double quality_of_few(const pilot *p)
 	return few ? (double)o->gathered_error : 0.0;
 }
 
+/* What of gathered light would be wrong with more rays of a volume's cells: if all of it were their
+ * noise, and if none were; what it is off on the average stays. Noise of many rays falls with their
+ * root, and of how much the cells' size makes the rest the pilot knows nothing.
+ *   spread   receives half of what lies between */
+static double error_with_cell_rays(const pilot *p, double *spread)
+{
+	const gw_error_estimate *e = &p->report->error;
+	double most = e->gathered, stays = fmin(fabs(e->bias), most);
+	double least = sqrt(stays * stays + (most * most - stays * stays) / p->cell_ratio);
+	*spread = 0.5 * (most - least);
+	return sqrt(most * least);
+}
+
 static void foretell_error(const pilot *p, gw_forecast *f)
 {
 	const gw_error_estimate *e = &p->report->error;
-	double power, rest = gw_error_with_records(e, p->ratio, &power), enough = quality_of_few(p);
+	double power, enough = quality_of_few(p);
+	double rest = p->cell_ratio > 1.0 ? error_with_cell_rays(p, &power)
+									  : gw_error_with_records(e, p->ratio, &power);
 	if (enough > 0.0 && rest > enough && !gw_options_refine(&p->asked))
 		rest = enough;
 	double others = e->relative_rms * e->relative_rms - e->gathered * e->gathered;
@@ -265,10 +325,10 @@ static uint64_t host_bytes(const pilot *p)
 static void foretell(const pilot *p, double done, gw_forecast *f)
 {
 	const gw_scene *s = p->lighting->scene;
-	double light = scaled(&p->first, p->ratio) + scaled(&p->bounce, p->ratio) +
-				   scaled(&p->read_back, p->ratio);
-	double round = scaled(&p->place, p->ratio) + light + scaled(&p->estimate, p->point_ratio);
+	double light = scaled(p, &p->first) + scaled(p, &p->bounce) + scaled(p, &p->read_back);
+	double round = scaled(p, &p->place) + light + scaled_estimate(p);
 	*f = (gw_forecast){ .places = s->records.count,
+						.cell_rays = s->volume.rays,
 						.records = p->records,
 						.record_spacing = p->spacing,
 						.seconds = done + round,
@@ -296,13 +356,11 @@ static void foretell_prices(const pilot *p)
 	price.direct_light = gw_report_seconds(report, "direct light");
 	price.gaps = gw_report_seconds(report, "gaps");
 	price.octree = gw_report_seconds(report, "octree");
-	price.gather =
-		scaled(&p->place, p->ratio) + scaled(&p->first, p->ratio) + scaled(&p->read_back, p->ratio);
-	price.bounces = scaled(&p->bounce, p->ratio);
-	price.estimate = scaled(&p->estimate, p->point_ratio);
+	price.gather = scaled(p, &p->place) + scaled(p, &p->first) + scaled(p, &p->read_back);
+	price.bounces = scaled(p, &p->bounce);
+	price.estimate = scaled_estimate(p);
 	if (p->asked.lamps)
-		price.columns = (scaled(&p->first, p->ratio) + scaled(&p->bounce, p->ratio) +
-						 scaled(&p->read_back, p->ratio)) *
+		price.columns = (scaled(p, &p->first) + price.bounces + scaled(p, &p->read_back)) *
 						(double)p->lighting->light_count;
 	gw_effect_seconds_set(&p->lighting->plan, &price, report);
 }
@@ -383,12 +441,18 @@ gw_status gw_forecast_make(gw_lighting *lighting, double done, gw_bake_result *p
 	gw_report *report = s->report;
 	gw_forecast *forecast = &report->forecast;
 	double start = gw_seconds();
+	if (lighting->plan.records && s->options.method == GW_METHOD_PROBES) {
+		GW_TRY(gw_scene_make_maps(s, error));
+		done += gw_seconds() - start;
+		start = gw_seconds();
+	}
 	pilot p = { .lighting = lighting,
 				.plan = plan,
 				.light = light,
 				.asked = s->options,
 				.report = gw_allocate_zeros(1, sizeof *p.report),
 				.ratio = 1.0,
+				.cell_ratio = 1.0,
 				.point_ratio = 1.0,
 				.before = gw_gpu_read_account(s->gpu).bytes };
 	if (!p.report)

@@ -78,6 +78,7 @@ void gw_frames_drop_geometry(gw_frames *f)
 {
 	gw_lighting_clear(&f->light);
 	gw_scene_drop_records(&f->scene);
+	gw_probe_maps_clear(&f->scene.maps);
 	gw_octree_destroy(f->scene.gpu, &f->scene.octree);
 	f->built = f->placed = false;
 }

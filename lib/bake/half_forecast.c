@@ -15,7 +15,8 @@
 /* Bakes of half of the points, and mostly of half of these, take this share of the whole one. */
 #define HALVES_SHARE 0.65
 
-/* Its records are as far apart in metres as those of all points, whose leaves are smaller. */
+/* Its records are as far apart in metres as those of all points, whose leaves are smaller, and
+ * cells of a volume have as few rays. */
 static gw_bake_options few_records(const gw_bake_options *options, const gw_bake_result *light)
 {
 	gw_bake_options few = gw_half_sample_options(options);
@@ -23,6 +24,8 @@ static gw_bake_options few_records(const gw_bake_options *options, const gw_bake
 		few.record_spacing = light->report.record_spacing / (float)M_SQRT2;
 		few.least_records = few.most_records = 0;
 	}
+	if (light->report.forecast.cell_rays > 0)
+		few.rays = light->report.forecast.cell_rays;
 	return few;
 }
 

@@ -39,7 +39,7 @@ gw_bake_options gw_bake_options_default(void)
 							  .light_samples = 64,
 							  .cones = 16,
 							  .volume_harmonics = 4,
-							  .probe_size = 64,
+							  .probe_size = 256,
 							  .record_spacing = 2.5f,
 							  .least_records = LEAST_RECORDS,
 							  .most_records = MOST_RECORDS,

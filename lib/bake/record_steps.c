@@ -16,13 +16,10 @@
 static gw_status follow_maps(gw_scene *scene, gw_error *error)
 {
 	const gw_record_context on = gw_scene_context(scene, &scene->records);
-	gw_probe_maps maps;
-	GW_TRY(gw_scene_probe_maps(scene, &maps, error));
-	gw_status status = gw_probe_gather_trace(&on, &maps, scene->options.rays,
-											 (uint32_t)scene->options.seed, &scene->rays, error);
+	GW_TRY(gw_scene_make_maps(scene, error));
 	scene->traced = (uint64_t)scene->options.rays * scene->records.count;
-	gw_probe_maps_clear(&maps);
-	return status;
+	return gw_probe_gather_trace(&on, &scene->maps, scene->options.rays,
+								 (uint32_t)scene->options.seed, &scene->rays, error);
 }
 
 /* What the records see; for cones, how near their surroundings are. */

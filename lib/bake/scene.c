@@ -388,6 +388,7 @@ void gw_scene_drop_octree(gw_scene *scene)
 {
 	gw_scene_drop_records(scene);
 	gw_placed_probes_clear(&scene->probes);
+	gw_probe_maps_clear(&scene->maps);
 	if (scene->passes.gpu)
 		gw_passes_destroy(&scene->passes);
 	scene->passes = (gw_passes){ 0 };

@@ -15,6 +15,7 @@
 
 #include "estimate/error_estimate.h"
 #include "light/gather_cones.h"
+#include "light/gather_probes.h"
 #include "light/micro_buffers.h"
 #include "light/kept_hits.h"
 #include "light/moments.h"
@@ -94,6 +95,7 @@ struct gw_scene {
 					was not asked for, or is noise */
 	gw_check_point_hits check_points; /* what the points see that estimates solve again */
 	gw_placed_probes probes;          /* the last that were placed in it, in whatever light */
+	gw_probe_maps maps;               /* that records see by; empty but for GW_METHOD_PROBES */
 	gw_portals portals;               /* looked for when a sky first shines */
 	gw_records further;               /* places of records that were added and are not in it yet */
 	gw_ray_gather further_rays;       /* and their hits */

@@ -380,11 +380,14 @@ static gw_status show(gw_scene *scene, gw_placed_probes *placed, gw_probe_maps *
 	return gw_probe_cells_find(maps->probes, scene->options.threads, error);
 }
 
-gw_status gw_scene_probe_maps(gw_scene *scene, gw_probe_maps *maps, gw_error *error)
+gw_status gw_scene_make_maps(gw_scene *scene, gw_error *error)
 {
 	gw_probes_options options = gw_probes_options_default();
 	gw_placed_probes placed = { .radius = NULL };
-	*maps = (gw_probe_maps){ .probes = gw_allocate_zeros(1, sizeof *maps->probes) };
+	gw_probe_maps *maps = &scene->maps;
+	if (maps->probes)
+		return GW_OK;
+	maps->probes = gw_allocate_zeros(1, sizeof *maps->probes);
 	if (!maps->probes)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for probes");
 	options.size = scene->options.probe_size;

@@ -6,7 +6,6 @@
 #define SCENE_PROBES_H
 
 #include "bake/scene.h"
-#include "light/gather_probes.h"
 
 /*
  * Finds places for probes and traces what is seen from there.
@@ -26,9 +25,9 @@ gw_status gw_scene_describe_probes(const gw_scene *scene, const gw_placed_probes
 /* A length of the scene in the metres that were given. */
 double gw_scene_metres(const gw_scene *scene, double length);
 
-/* Places probes for the rays of records: as many as see what any place sees, with maps of the
- * scene's probe_size.
- *   maps   on success to be cleared by the caller; empty on failure */
-gw_status gw_scene_probe_maps(gw_scene *scene, gw_probe_maps *maps, gw_error *error);
+/* Places probes for the rays of records, into scene->maps: as many as see what any place sees, with
+ * maps of the scene's probe_size. Where they stand already, nothing is done; on failure there are
+ * none. */
+gw_status gw_scene_make_maps(gw_scene *scene, gw_error *error);
 
 #endif

@@ -181,6 +181,7 @@ static gw_status make(const gw_record_context *on, const gw_volume_wish *wish,
 	GW_TRY(gw_volume_list_cells(on, wish, v, error));
 	GW_TRY(put_centres(on, v, error));
 	v->rays = LOOK_RAYS;
+	v->looked = (uint64_t)v->rays * v->count;
 	GW_TRY(trace(on, true, v, error));
 	GW_TRY(leave_free(on, v, error));
 	GW_TRY(put_centres(on, v, error));

@@ -33,6 +33,7 @@ typedef struct gw_radiance_volume {
 	uint32_t cells[3]; /* along x, y, z: those of the bounds, and one more at each end */
 	uint32_t order, rays, seed;
 	uint32_t count;     /* cells with light: in free space, and read */
+	uint64_t looked;    /* rays by which it was found which these are */
 	uint32_t *cell;     /* count: which of the grid, x + cells[0] * (y + cells[1] * z) */
 	uint32_t *label;    /* count: compartments (volume_labels.h); NULL where there is one */
 	gw_buffer slot;     /* R32_UINT, a cell of the grid: its number among the count, or GW_NONE */

@@ -20,7 +20,9 @@ strings nine.vdb | grep '^sh_[0-8]$' | sort -u | wc -l
 run 0 bake box.ply -q --rays 16 --report none.json -o rays.ply
 grep -c volume_cells none.json
 [ "$(body one.ply)" != "$(body rays.ply)" ] && echo "other light than by rays"
-glowworm plan box.ply --method volume 2>&1 | grep -o '^ *bounces.*volume' | sed 's/  */ /g'
+glowworm plan box.ply --method volume 2>&1 |
+	sed -E 's/  */ /g; s/[0-9.]+ s\>/T s/g' |
+	sed -nE 's/^(bounces.*volume).*/\1/p; s/^ (by cells[^;]*);.*/\1/p'
 
 # A transport gives the same bytes, under other lamps too.
 lamp='point at 0.5,0.5,0.7 intensity 1'

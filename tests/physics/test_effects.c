@@ -686,15 +686,11 @@ static void assert_memory_foretold(uint64_t foretold, const gw_bake_result *came
 
 /* A bake that tells what it will take gives the same light, and a plan without the bake tells the
  * same but for seconds. The estimate of the error holds what came within what it says. */
-static void foretold(void **state)
+static void check_foretold(const scene *s, gw_bake_options options)
 {
-	(void)state;
-	scene s = { 0 };
-	scene_make_hall(&s);
-	gw_points points = scene_points(&s);
+	gw_points points = scene_points(s);
 	gw_light light = scene_point_light(2.0, 1.5, 2.0, 5.0f);
 	const gw_scene_description described = { &points, &light, 1 };
-	gw_bake_options options = gw_bake_options_default();
 	scene_choose_passes(&options.passes, &options.validate);
 	gw_bake_result *plain = scene_bake(&points, &light, 1, &options), *told = NULL;
 	planned p = { 0 };
@@ -732,6 +728,31 @@ static void foretold(void **state)
 	gw_bake_result_destroy(&plan);
 	gw_bake_result_destroy(&told);
 	gw_bake_result_destroy(&plain);
+}
+
+static void foretold(void **state)
+{
+	(void)state;
+	scene s = { 0 };
+	scene_make_hall(&s);
+	check_foretold(&s, gw_bake_options_default());
+	scene_clear(&s);
+}
+
+/* The same of ways to gather whose time does not go with the number of records. */
+static void other_methods_foretold(void **state)
+{
+	const gw_method methods[] = { GW_METHOD_VOLUME, GW_METHOD_LPV, GW_METHOD_PROBES };
+	(void)state;
+	scene s = { 0 };
+	scene_make_hall(&s);
+	for (size_t m = 0; m < sizeof methods / sizeof *methods; m++) {
+		gw_bake_options options = gw_bake_options_default();
+		options.method = methods[m];
+		options.volume_cells = 16;
+		options.probe_size = 32;
+		check_foretold(&s, options);
+	}
 	scene_clear(&s);
 }
 
@@ -754,6 +775,7 @@ int main(void)
 		cmocka_unit_test(contradictions),
 		cmocka_unit_test(order_of_points),
 		cmocka_unit_test(foretold),
+		cmocka_unit_test(other_methods_foretold),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
