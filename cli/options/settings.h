@@ -45,6 +45,7 @@ typedef struct settings_input {
 	float density;             /* of a mesh, points/m^2; 0: as settings.density says */
 	size_t motion;             /* 0: it stands still; else has_matrix, and its path is
 								  settings.path[motion - 1] */
+	bool again;                /* the file of the input before it stands here once more */
 } settings_input;
 
 /* Frames that a scene can have. */

@@ -249,16 +249,33 @@ typedef struct part {
 	scan_points points;
 } part;
 
-static gw_status read_cloud(const settings *s, const settings_input *from, scan *cloud,
-							loaded_input *facts, gw_error *error)
+static gw_status read_file(const settings *s, const settings_input *from, scan *cloud,
+						   const format **found, gw_error *error)
 {
 	format_options options = { s->format, s->columns, s->bake.threads };
-	GW_TRY(format_read_with(from->path, &options, cloud, &facts->format, error));
+	GW_TRY(format_read_with(from->path, &options, cloud, found, error));
 	if (cloud->count == 0)
 		return gw_fail(error, GW_ERROR_DATA, "%s holds no points",
 					   loaded_scene_input_name(from->path));
 	/* Of several inputs, others may know better which way is up. */
-	GW_TRY(scan_find_rows(cloud, from->has_matrix || s->input_count > 1, error));
+	return scan_find_rows(cloud, from->has_matrix || s->input_count > 1, error);
+}
+
+/* Input i. A file that stands in several places is read once, and kept for the others. */
+static gw_status read_cloud(const settings *s, size_t i, scan *kept, part *parts,
+							loaded_scene *scene, gw_error *error)
+{
+	const settings_input *from = &s->input[i];
+	scan *cloud = &parts[i].cloud;
+	if (from->again) {
+		scene->input[i].format = scene->input[i - 1].format;
+		GW_TRY(scan_copy(kept, cloud, error));
+	} else {
+		GW_TRY(read_file(s, from, cloud, &scene->input[i].format, error));
+		scan_clear(kept);
+		if (i + 1 < s->input_count && s->input[i + 1].again)
+			GW_TRY(scan_copy(cloud, kept, error));
+	}
 	return from->has_matrix ? transform(cloud, from->matrix, error) : GW_OK;
 }
 
@@ -532,9 +549,8 @@ static gw_status find_place(const settings *s, loaded_scene *scene, size_t input
 	return status;
 }
 
-/* Clouds become points; meshes are read, but how densely to sample them is known only when all
- * clouds are there. */
-static gw_status read_parts(const settings *s, loaded_scene *scene, part *parts, gw_error *error)
+static gw_status read_each(const settings *s, scan *kept, loaded_scene *scene, part *parts,
+						   gw_error *error)
 {
 	for (size_t i = 0; i < s->input_count; i++) {
 		const settings_input *from = &s->input[i];
@@ -545,12 +561,22 @@ static gw_status read_parts(const settings *s, loaded_scene *scene, part *parts,
 		if (facts->is_mesh)
 			GW_TRY(read_mesh(s, from, facts, error));
 		else
-			GW_TRY(read_cloud(s, from, &parts[i].cloud, facts, error));
+			GW_TRY(read_cloud(s, i, kept, parts, scene, error));
 		if (!facts->is_mesh)
 			GW_TRY(find_place(s, scene, i, &parts[i].cloud, error));
 		GW_TRY(signals_check(error));
 	}
 	return GW_OK;
+}
+
+/* Clouds become points; meshes are read, but how densely to sample them is known only when all
+ * clouds are there. */
+static gw_status read_parts(const settings *s, loaded_scene *scene, part *parts, gw_error *error)
+{
+	scan kept = { 0 };
+	gw_status status = read_each(s, &kept, scene, parts, error);
+	scan_clear(&kept);
+	return status;
 }
 
 /* What intensity counts to in several clouds together: so that one that is darker stays so. */

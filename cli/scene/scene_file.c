@@ -348,12 +348,14 @@ static gw_status take_share(const reader *r, json_t *value, bool *given, float *
 
 static gw_status take_input_key(reader *r, const char *key, json_t *value, settings_input *input)
 {
-	static const char *const name[] = { "file",         "matrix", "emission", "albedo",
-										"opacity",      "mesh",   "density",  "specular",
-										"roughness",    "path",   "matrices", "pivot",
-										"interpolation" };
+	static const char *const name[] = { "file",          "matrix",   "emission", "albedo",
+										"opacity",       "mesh",     "density",  "specular",
+										"roughness",     "path",     "matrices", "pivot",
+										"interpolation", "instances" };
 	if (strcmp(key, "file") == 0)
 		return take_path(r, value, &input->path);
+	if (strcmp(key, "instances") == 0) /* taken when all other keys are known */
+		return GW_OK;
 	if (strcmp(key, "matrix") == 0) {
 		input->has_matrix = true;
 		return take_matrix(r, value, input->matrix);
@@ -381,6 +383,55 @@ static gw_status take_input_key(reader *r, const char *key, json_t *value, setti
 	return fail_key(r, name, sizeof name / sizeof *name);
 }
 
+/* Two matrices as one: first `inner`, then `outer`. */
+static void chain_matrices(const double outer[16], const double inner[16], double both[16])
+{
+	for (size_t row = 0; row < 4; row++) {
+		for (size_t column = 0; column < 4; column++) {
+			double sum = 0.0;
+			for (size_t k = 0; k < 4; k++)
+				sum += outer[4 * row + k] * inner[4 * k + column];
+			both[4 * row + column] = sum;
+		}
+	}
+}
+
+/* An input for each place where the same thing stands. */
+static gw_status add_instances(reader *r, json_t *list, const settings_input *input)
+{
+	size_t count = json_array_size(list);
+	if (!json_is_array(list) || count == 0)
+		return fail_here(r, "an array of matrices is needed, one for each place where it stands");
+	if (input->motion > 0)
+		return fail_here(r, "what moves is no instance; list it as an input of its own");
+	for (size_t i = 0; i < count; i++) {
+		settings_input instance = *input;
+		double matrix[16];
+		enter_index(r, i);
+		GW_TRY(take_matrix(r, json_array_get(list, i), matrix));
+		if (input->has_matrix)
+			chain_matrices(matrix, input->matrix, instance.matrix);
+		else
+			memcpy(instance.matrix, matrix, sizeof matrix);
+		instance.has_matrix = true;
+		instance.again = i > 0;
+		GW_TRY(settings_add_input(r->settings, &instance, r->error));
+		leave(r);
+	}
+	return GW_OK;
+}
+
+static gw_status add_input(reader *r, json_t *object, const settings_input *input)
+{
+	json_t *list = json_object_get(object, "instances");
+	if (!list)
+		return settings_add_input(r->settings, input, r->error);
+	enter_key(r, "instances");
+	GW_TRY(add_instances(r, list, input));
+	leave(r);
+	return GW_OK;
+}
+
 static gw_status take_input_keys(reader *r, json_t *object, motion_path *path,
 								 settings_input *input)
 {
@@ -402,7 +453,7 @@ static gw_status take_input_keys(reader *r, json_t *object, motion_path *path,
 	if (input->density > 0.0f && !is_mesh)
 		return fail_here(r, "'density' is for meshes; add \"mesh\": true to sample the faces");
 	GW_TRY(finish_motion(r, object, path, input, &input->motion));
-	return settings_add_input(r->settings, input, r->error);
+	return add_input(r, object, input);
 }
 
 static gw_status take_input(reader *r, json_t *object)

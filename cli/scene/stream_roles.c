@@ -1,5 +1,7 @@
 #include "scene/stream_roles.h"
 
+#include "scene/loaded_scene.h"
+
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -27,7 +29,8 @@ int stream_roles_inputs(const settings *s)
 {
 	int from = is_input(s->transport) + is_input(s->render.path);
 	for (size_t i = 0; i < s->input_count; i++)
-		from += is_input(s->input[i].path);
+		if (!s->input[i].again || loaded_scene_is_mesh(s, &s->input[i])) /* read once */
+			from += is_input(s->input[i].path);
 	return from;
 }
 

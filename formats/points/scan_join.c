@@ -199,3 +199,12 @@ gw_status scan_append(scan *cloud, const scan *tail, gw_error *error)
 	*cloud = joined;
 	return GW_OK;
 }
+
+gw_status scan_copy(const scan *from, scan *copy, gw_error *error)
+{
+	*copy = (scan){ 0 };
+	GW_TRY(scan_append(copy, from, error));
+	copy->says_up = from->says_up;
+	copy->noise_classes = from->noise_classes;
+	return GW_OK;
+}

@@ -14,4 +14,8 @@
  */
 gw_status scan_append(scan *scan, const struct scan *tail, gw_error *error);
 
+/* Another scan with all that one holds; *copy is the caller's on success, and empty on failure:
+ * GW_ERROR_MEMORY. */
+gw_status scan_copy(const scan *from, scan *copy, gw_error *error);
+
 #endif
