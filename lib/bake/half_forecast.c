@@ -17,9 +17,10 @@
 
 /* Its records are as far apart in metres as those of all points, whose leaves are smaller, and
  * cells of a volume have as few rays. */
-static gw_bake_options few_records(const gw_bake_options *options, const gw_bake_result *light)
+static gw_bake_options few_records(const gw_points *points, const gw_bake_options *options,
+								   const gw_bake_result *light)
 {
-	gw_bake_options few = gw_half_sample_options(options);
+	gw_bake_options few = gw_half_sample_options(points, options);
 	if (light->report.record_spacing > 0.0f) {
 		few.record_spacing = light->report.record_spacing / (float)M_SQRT2;
 		few.least_records = few.most_records = 0;
@@ -35,8 +36,10 @@ static double most(const gw_error_estimate *pilot, const gw_half_difference *dif
 				   const gw_forecast *f)
 {
 	const gw_half_difference unknown = { 0 };
-	const gw_half_difference seen_more = { .turned = (1.0 + UNSEEN) * difference->turned,
-										   .rest = (1.0 + UNSEEN) * difference->rest };
+	gw_half_difference seen_more = *difference;
+	seen_more.turned *= 1.0 + UNSEEN;
+	seen_more.near *= 1.0 + UNSEEN;
+	seen_more.rest *= 1.0 + UNSEEN;
 	gw_error_estimate e = *pilot;
 	double others = e.relative_rms * e.relative_rms - e.gathered * e.gathered;
 	e.gathered = sqrt(fmax(f->error * f->error - fmax(others, 0.0), 0.0));
@@ -99,17 +102,18 @@ static gw_status tell(gw_status status, gw_report *r)
 gw_status gw_half_forecast_add(const gw_half_forecast_task *task, const gw_bake_result *light,
 							   gw_report *report, gw_error *error)
 {
-	const gw_bake_options few = few_records(task->options, light);
+	const gw_bake_options few = few_records(task->scene->points, task->options, light);
 	double start = gw_seconds();
 	gw_half_sample half;
 	gw_bake_result *of_half = NULL;
 	gw_status status = gw_half_sample_make(task->scene->points, 0, &half, error);
 	if (status == GW_OK)
 		status = bake_half(task, &few, &half, &of_half, error);
-	if (status == GW_OK) {
-		const gw_half_difference d = gw_half_sample_difference(&half, of_half, light);
+	gw_half_difference d = { 0 };
+	if (status == GW_OK)
+		status = gw_half_sample_difference(&half, of_half, light, &d, error);
+	if (status == GW_OK)
 		add_difference(&d, light, &report->forecast);
-	}
 	status = tell(status, report);
 	report->forecast.own_seconds += gw_seconds() - start;
 	gw_bake_result_destroy(&of_half);

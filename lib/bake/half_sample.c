@@ -6,6 +6,8 @@
 #include "base/hash.h"
 #include "base/luminance.h"
 #include "base/memory.h"
+#include "cloud/neighbour_index.h"
+#include "estimate/side_error.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -30,6 +32,12 @@
 #define NARROW_LEAST 0.02
 #define NARROW_POINTS 10000u
 
+/* Points of a half that are solved again; what they find nobody reads. */
+#define SIDES_POINTS 16u
+
+/* Points that are looked up at once. */
+#define QUERIES 256u
+
 bool gw_half_sample_is_likely(const gw_points *points, const gw_bake_options *options)
 {
 	return options->estimate_points > 0 && !options->transport && points->count >= POINTS_LEAST &&
@@ -51,10 +59,11 @@ bool gw_half_sample_is_wanted(const gw_points *points, const gw_bake_options *op
 			report->spacing_ratio > UNEVEN_LEAST || narrow);
 }
 
-gw_bake_options gw_half_sample_options(const gw_bake_options *options)
+gw_bake_options gw_half_sample_options(const gw_points *points, const gw_bake_options *options)
 {
 	gw_bake_options plain = *options;
-	plain.estimate_points = 0;
+	bool guessed = !points->normal || options->normals == GW_NORMALS_ESTIMATE;
+	plain.estimate_points = guessed ? SIDES_POINTS : 0;
 	plain.max_error = plain.time_limit = plain.gathered_error = 0.0f;
 	plain.voxels = plain.lamps = plain.ambient_occlusion = plain.unknown = plain.errors = false;
 	plain.bent_normals = plain.volume = false;
@@ -207,50 +216,178 @@ static bool is_turned(const gw_half_sample *half, const gw_bake_result *of_half,
 	return n[0] * m[0] + n[1] * m[1] + n[2] * m[2] < 0.0f;
 }
 
-gw_half_difference gw_half_sample_difference(const gw_half_sample *half,
-											 const gw_bake_result *of_half,
-											 const gw_bake_result *of_all)
+/* ------------------------------------------------------------------------ beside what turns */
+
+/* What becomes of a point's difference. */
+typedef enum kind { LEFT_OUT, REST, NEAR, TURNED } kind;
+
+/* Points that turn, around one of them in single precision. */
+typedef struct turned_points {
+	const gw_half_sample *half;
+	const double *middle;
+	gw_neighbour_index *index;
+	double reach;
+} turned_points;
+
+static void place(const turned_points *t, size_t i, float at[3])
 {
-	double square[2] = { 0 }, mean = 0.0, mean_of_half = 0.0;
-	size_t used = 0;
+	for (size_t k = 0; k < 3; k++)
+		at[k] = (float)(t->half->position[3 * i + k] - t->middle[k]);
+}
+
+/* Marks some of the rest, those that have a point that turns within reach. */
+static bool mark_some(const turned_points *t, const size_t *some, size_t count, uint8_t *kinds)
+{
+	float at[3 * QUERIES], squared[QUERIES];
+	int found[QUERIES];
+	for (size_t k = 0; k < count; k++)
+		place(t, some[k], at + 3 * k);
+	bool good = count == 0 || gw_neighbour_index_search(t->index, at, count, 1, found, squared);
+	for (size_t k = 0; k < count && good; k++)
+		if ((double)squared[k] <= t->reach * t->reach)
+			kinds[some[k]] = NEAR;
+	return good;
+}
+
+static bool mark_all(const turned_points *t, uint8_t *kinds)
+{
+	size_t some[QUERIES], count = 0;
+	bool good = true;
+	for (size_t i = 0; i < t->half->points.count && good; i++) {
+		if (kinds[i] == REST)
+			some[count++] = i;
+		if (count < QUERIES)
+			continue;
+		good = mark_some(t, some, count, kinds);
+		count = 0;
+	}
+	return good && mark_some(t, some, count, kinds);
+}
+
+/* Marks what is no further than the reach from points that turn, `turned` of them. */
+static bool mark_near(const gw_half_sample *half, double reach, size_t turned, uint8_t *kinds)
+{
+	turned_points t = { .half = half, .reach = reach };
+	float *at = gw_allocate_array(turned, 3 * sizeof *at);
+	for (size_t i = 0, k = 0; i < half->points.count && at; i++) {
+		if (kinds[i] != TURNED)
+			continue;
+		t.middle = t.middle ? t.middle : half->position + 3 * i;
+		place(&t, i, at + 3 * k++);
+	}
+	t.index = at ? gw_neighbour_index_build(at, turned) : NULL;
+	bool good = t.index && mark_all(&t, kinds);
+	gw_neighbour_index_free(t.index);
+	free(at);
+	return good;
+}
+
+/* Metres between records, as far as they stand apart on a surface; 0 without records. */
+static double between_records(const gw_report *r)
+{
+	return r->records > 0 ? (double)r->record_spacing * r->leaf_size : 0.0;
+}
+
+/* What each point of the half is; false where there is no memory. */
+static bool list_kinds(const gw_half_sample *half, const gw_bake_result *of_half,
+					   const gw_bake_result *of_all, uint8_t *kinds)
+{
+	size_t turned = 0;
 	for (size_t i = 0; i < half->points.count; i++) {
-		if (!counts(half, of_all, i))
+		kinds[i] = !counts(half, of_all, i)              ? LEFT_OUT
+				   : is_turned(half, of_half, of_all, i) ? TURNED
+														 : REST;
+		turned += kinds[i] == TURNED;
+	}
+	double reach = between_records(&of_half->report);
+	return turned == 0 || reach <= 0.0 || mark_near(half, reach, turned, kinds);
+}
+
+static gw_half_difference sum_differences(const gw_half_sample *half, const gw_bake_result *of_half,
+										  const gw_bake_result *of_all, const uint8_t *kinds)
+{
+	double square[TURNED + 1] = { 0 }, mean = 0.0, mean_of_half = 0.0;
+	size_t used = 0, turned = 0;
+	for (size_t i = 0; i < half->points.count; i++) {
+		if (kinds[i] == LEFT_OUT)
 			continue;
 		double found = gw_luminance(of_all->radiance + 3 * half->from[i]);
 		double other = gw_luminance(of_half->radiance + 3 * i);
-		square[is_turned(half, of_half, of_all, i)] += (other - found) * (other - found);
+		square[kinds[i]] += (other - found) * (other - found);
 		mean += found;
 		mean_of_half += other;
+		turned += kinds[i] == TURNED;
 		used++;
 	}
 	double most = fmax(mean, mean_of_half);
 	double scale = most > 0.0 ? sqrt((double)used) / most : 0.0;
-	return (gw_half_difference){ .rest = scale * sqrt(square[0]),
-								 .turned = scale * sqrt(square[1]) };
+	return (gw_half_difference){ .turned = scale * sqrt(square[TURNED]),
+								 .near = scale * sqrt(square[NEAR]),
+								 .rest = scale * sqrt(square[REST]),
+								 .turned_share = used ? (double)turned / (double)used : 0.0,
+								 .sides_asked = of_half->report.error.points > 0,
+								 .sides = of_half->report.error.sides };
 }
+
+gw_status gw_half_sample_difference(const gw_half_sample *half, const gw_bake_result *of_half,
+									const gw_bake_result *of_all, gw_half_difference *difference,
+									gw_error *error)
+{
+	uint8_t *kinds = gw_allocate_array(half->points.count + 1, sizeof *kinds);
+	bool good = kinds && list_kinds(half, of_half, of_all, kinds);
+	if (good)
+		*difference = sum_differences(half, of_half, of_all, kinds);
+	free(kinds);
+	return good ? GW_OK
+				: gw_fail(error, GW_ERROR_MEMORY, "no memory to compare %zu points",
+						  half->points.count);
+}
+
+/* ------------------------------------------------------------------------------------- adding */
 
 double gw_half_difference_all(const gw_half_difference *difference)
 {
-	return hypot(difference->rest, difference->turned);
+	return hypot(hypot(difference->rest, difference->near), difference->turned);
+}
+
+static double growth_of(double first, double second)
+{
+	return first > 0.0 ? second / first : 0.0;
+}
+
+/* By how much the sides of the half are worse than those of all, by what rays say of both. */
+static double growth_by_rays(const gw_half_difference *first, double sides)
+{
+	if (!first->sides_asked || !(first->turned_share > 0.0))
+		return 1.0;
+	double unseen = first->turned * first->turned / (first->turned_share * GW_SIDE_POINTS);
+	return sqrt((first->sides * first->sides + unseen) / (sides * sides + unseen));
 }
 
 /* Of what differs by faults of both, what all points have of it. */
-static double of_sides(double first, double second)
+static double of_sides(double first, double growth)
 {
-	double growth = first > 0.0 ? fmax(second / first, 1.0) : 1.0;
-	return first / sqrt(1.0 + growth * growth);
+	return first / hypot(1.0, fmax(growth, 1.0));
+}
+
+/* Of what differs by faults that get more in fewer points. */
+static double of_surface(double first, double growth)
+{
+	return growth > M_SQRT2 ? first / sqrt(growth * growth - 1.0) : first;
 }
 
 void gw_half_sample_add(const gw_half_difference *first, const gw_half_difference *second,
 						double gathered, gw_error_estimate *estimate)
 {
-	double all_first = gw_half_difference_all(first);
-	double growth = all_first > 0.0 ? gw_half_difference_all(second) / all_first : 0.0;
+	double growth = growth_of(gw_half_difference_all(first), gw_half_difference_all(second));
+	double by_rays = growth_by_rays(first, estimate->sides);
+	double surface =
+		hypot(of_surface(first->rest, growth), of_surface(first->near, fmax(growth, by_rays)));
 	/* The two have noise of their own, which is a part of the estimate already. */
-	double surface = sqrt(fmax(first->rest * first->rest - 2.0 * gathered * gathered, 0.0));
-	if (growth > M_SQRT2)
-		surface /= sqrt(growth * growth - 1.0);
-	double sides = of_sides(first->turned, second->turned);
+	double differs = hypot(first->rest, first->near);
+	if (differs > 0.0)
+		surface *= sqrt(fmax(1.0 - 2.0 * gathered * gathered / (differs * differs), 0.0));
+	double sides = of_sides(first->turned, fmax(growth_of(first->turned, second->turned), by_rays));
 	estimate->halves = hypot(surface, sides);
 	/* Rays know of sides that are guessed alike in both. */
 	double all = hypot(hypot(surface, fmax(sides, estimate->sides)),

@@ -19,6 +19,13 @@
  * either at the most: their square differences d^2 are the sum of two squares of errors, of which
  * that of all points is d^2 / (1 + Q^2), Q at least 1.
  *
+ * How much worse the guesses of fewer points are, rays tell as well: both bakes are asked what is
+ * wrong with their sides. With S of all and T of the half, Q is at least sqrt((T^2 + u) / (S^2 +
+ * u)), where u is what one of the points that rays leave from, wrong where sides differ, would
+ * make: rays may miss it. That Q goes for points that turn, and for those beside them as far as
+ * records stand apart: a point takes the light of the records around, whose surface turned as
+ * well.
+ *
  * Sides that are guessed alike with all points and with half of them show in no difference, but in
  * what rays say of sides (side_error.h). Of both the larger one counts, and it comes on top of the
  * error at points that show the same side.
@@ -58,8 +65,9 @@ bool gw_half_sample_is_wanted(const gw_points *points, const gw_bake_options *op
 /* The same as far as it shows before a bake. */
 bool gw_half_sample_is_likely(const gw_points *points, const gw_bake_options *options);
 
-/* Those of a bake of half of the points, of which only the light is wanted. */
-gw_bake_options gw_half_sample_options(const gw_bake_options *options);
+/* Those of a bake of half of these points, of which only the light is wanted, and where normals are
+ * estimated what rays say of their sides. */
+gw_bake_options gw_half_sample_options(const gw_points *points, const gw_bake_options *options);
 
 /*
  * Takes half of the points.
@@ -75,19 +83,27 @@ gw_status gw_half_sample_make(const gw_points *points, uint32_t level, gw_half_s
 gw_status gw_half_sample_ask(gw_half_sample *half, const uint8_t *asked, gw_error *error);
 void gw_half_sample_clear(gw_half_sample *half);
 
-/* Root mean square differences of radiance, over its mean; the squares of both parts add up. */
+/* Root mean square differences of radiance, over its mean; the squares of the first three add up.
+ */
 typedef struct gw_half_difference {
-	double turned; /* at points that show the one side here and the other one there */
-	double rest;   /* at all others */
+	double turned;       /* at points that show the one side here and the other one there */
+	double near;         /* at points beside these */
+	double rest;         /* at all others */
+	double turned_share; /* of the points */
+	bool sides_asked;    /* rays were asked about the half's sides */
+	double sides;        /* what they say: its gw_error_estimate.sides */
 } gw_half_difference;
 
-/* Between the half and what the same points have in the whole, of points that neither emit nor
- * stray. */
-gw_half_difference gw_half_sample_difference(const gw_half_sample *half,
-											 const gw_bake_result *of_half,
-											 const gw_bake_result *of_all);
+/*
+ * Between the half and what the same points have in the whole, of points that neither emit nor
+ * stray.
+ * Fails with GW_ERROR_MEMORY.
+ */
+gw_status gw_half_sample_difference(const gw_half_sample *half, const gw_bake_result *of_half,
+									const gw_bake_result *of_all, gw_half_difference *difference,
+									gw_error *error);
 
-/* Both parts together. */
+/* All parts together. */
 double gw_half_difference_all(const gw_half_difference *difference);
 
 /*

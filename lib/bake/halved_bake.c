@@ -74,15 +74,17 @@ typedef struct whole {
 	double told;    /* of the progress */
 } whole;
 
-/* A bake of which only the light is wanted, with the settings that the whole one began with, on the
- * device of that one, and with its passes. */
-static gw_status bake_half(whole *w, const gw_half_sample *half, const gw_bake_callbacks *callbacks,
-						   gw_bake_result **result, gw_error *error)
+/* A bake with the settings that the whole one began with, on the device of that one, and with its
+ * passes. level: as the half was made; of half of a half nobody asks about sides. */
+static gw_status bake_half(whole *w, uint32_t level, const gw_half_sample *half,
+						   const gw_bake_callbacks *callbacks, gw_bake_result **result,
+						   gw_error *error)
 {
 	const gw_scene_description scene = { &half->points, w->scene->lights, w->scene->light_count };
 	const gw_bake_manner manner = { .device = &w->device };
 	const gw_region region = { .point = half->asked };
-	gw_bake_options plain = gw_half_sample_options(w->options);
+	gw_bake_options plain = gw_half_sample_options(w->scene->points, w->options);
+	plain.estimate_points = level == 0 ? plain.estimate_points : 0;
 	plain.region = half->asked ? &region : NULL;
 	return half->points.count > 0
 			   ? gw_bake_once(&scene, &plain, manner, callbacks, result, error)
@@ -115,18 +117,18 @@ static gw_status compare_halves(whole *w, gw_stage *stage, gw_bake_result *resul
 	if (status == GW_OK)
 		status = gw_half_sample_ask(&half, result->asked, error);
 	if (status == GW_OK)
-		status = bake_half(w, &half, &of_second, &of_half, error);
+		status = bake_half(w, 0, &half, &of_second, &of_half, error);
 	if (status == GW_OK)
-		first = gw_half_sample_difference(&half, of_half, result);
+		status = gw_half_sample_difference(&half, of_half, result, &first, error);
 	bool more = status == GW_OK && gw_half_difference_all(&first) > r->error.relative_rms;
 	if (more)
 		status = gw_half_sample_make(&half.points, 1, &quarter, error);
 	if (more && status == GW_OK)
 		status = gw_half_sample_ask(&quarter, of_half->asked, error);
 	if (more && status == GW_OK)
-		status = bake_half(w, &quarter, &of_third, &of_quarter, error);
+		status = bake_half(w, 1, &quarter, &of_third, &of_quarter, error);
 	if (more && status == GW_OK)
-		second = gw_half_sample_difference(&quarter, of_quarter, of_half);
+		status = gw_half_sample_difference(&quarter, of_quarter, of_half, &second, error);
 	if (status == GW_OK)
 		gw_half_sample_add(&first, &second, gathered, &result->report.error);
 	add_work(stage, of_half);

@@ -14,6 +14,8 @@
 #define THIN 2     /* cells in a row, at most, of what is thin */
 #define LIKE 4.0   /* spacings by which ranges of neighbours on one thing differ at most */
 #define NOISY 10.0 /* and standard deviations of their noise */
+#define ON 3.0     /* of these, and of FLAT, that what is on a plane is off it at most */
+#define FLAT 0.02  /* of the spacing: what counts as noise in any case */
 #define SMALL 1    /* half a window that holds what is two cells wide */
 #define APART 4    /* cells between two by which the angle between neighbours is found */
 
@@ -34,44 +36,81 @@ static size_t cell_at(const gw_range_image *image, size_t cell, bool down, int s
 	return (size_t)row * image->columns + (size_t)column;
 }
 
-/* Do the ranges of two cells, the first of which is `range` away, let them be of one thing? */
-static bool are_like(const gw_range_grid *grid, double range, double other)
+/* The angle between two ways. */
+static double angle_between(const double v[3], const double w[3])
 {
-	double noise = (double)grid->noise[gw_range_bin(range)];
-	return fabs(other - range) <= fmax(LIKE * grid->step * range, NOISY * noise);
+	double across[3];
+	for (size_t k = 0; k < 3; k++)
+		across[k] = v[(k + 1) % 3] * w[(k + 2) % 3] - v[(k + 2) % 3] * w[(k + 1) % 3];
+	return atan2(length_of(across), v[0] * w[0] + v[1] * w[1] + v[2] * w[2]);
+}
+
+/* A cell that has a point: the way there, and the plane that it is on. */
+typedef struct place {
+	size_t cell;
+	double way[3], range;
+	const gw_range_plane *plane;
+} place;
+
+/* False where the cell has no point. */
+static bool find_place(const gw_range_grid *grid, const gw_range_plane *plane, size_t cell,
+					   place *found)
+{
+	if (cell == SIZE_MAX || !gw_range_way(grid, cell, found->way))
+		return false;
+	found->cell = cell;
+	found->range = length_of(found->way);
+	found->plane = &plane[grid->point[cell] - grid->image->first];
+	return true;
+}
+
+/* Does a point lie on the plane of another one? Surface seen at a grazing angle goes on far beyond
+ * its neighbours' range. */
+static bool is_on_plane(const gw_range_grid *grid, const place *of, const place *at)
+{
+	if (of->plane->half == 0)
+		return false;
+	double noise =
+		fmax((double)grid->noise[gw_range_bin(at->range)], FLAT * grid->step * at->range);
+	return fabs(gw_range_plane_dot(of->plane, at->way) - 1.0) * at->range <= ON * noise;
+}
+
+/* May two points beside each other be of one thing: are their ranges alike, or is each on the
+ * other's plane? */
+static bool are_like(const gw_range_grid *grid, const place *one, const place *other)
+{
+	double noise = (double)grid->noise[gw_range_bin(one->range)];
+	double most = fmax(LIKE * grid->step * one->range, NOISY * noise);
+	return fabs(other->range - one->range) <= most ||
+		   (is_on_plane(grid, one, other) && is_on_plane(grid, other, one));
 }
 
 /* Does a cell border on one of like range that a plane holds? Then it is on the rim of a surface.
  */
-static bool is_on_rim(const gw_range_grid *grid, const gw_range_plane *plane, size_t cell)
+static bool is_on_rim(const gw_range_grid *grid, const gw_range_plane *plane, const place *at)
 {
-	double way[3];
-	gw_range_way(grid, cell, way);
-	double range = length_of(way);
 	for (int i = 0; i < 9; i++) {
-		size_t other = cell_at(grid->image, cell, true, i / 3 - 1);
-		if (other != SIZE_MAX)
-			other = cell_at(grid->image, other, false, i % 3 - 1);
-		if (other != SIZE_MAX && gw_range_way(grid, other, way) &&
-			plane[grid->point[other] - grid->image->first].half > SMALL &&
-			are_like(grid, range, length_of(way)))
+		place other;
+		size_t cell = cell_at(grid->image, at->cell, true, i / 3 - 1);
+		if (cell != SIZE_MAX)
+			cell = cell_at(grid->image, cell, false, i % 3 - 1);
+		if (find_place(grid, plane, cell, &other) && other.plane->half > SMALL &&
+			are_like(grid, at, &other))
 			return true;
 	}
 	return false;
 }
 
 /* How many cells in a row, up to one more than what is thin, are of one thing. */
-static int run_length(const gw_range_grid *grid, size_t cell, bool down)
+static int run_length(const gw_range_grid *grid, const gw_range_plane *plane, const place *at,
+					  bool down)
 {
 	int count = 1;
 	for (int sign = -1; sign <= 1; sign += 2) {
-		double way[3];
-		gw_range_way(grid, cell, way);
-		for (int i = 1; count <= THIN; i++) {
-			double range = length_of(way);
-			size_t next = cell_at(grid->image, cell, down, sign * i);
-			if (next == SIZE_MAX || !gw_range_way(grid, next, way) ||
-				!are_like(grid, range, length_of(way)))
+		place last = *at, next;
+		for (int i = 1; count <= THIN; i++, last = next) {
+			if (!find_place(grid, plane, cell_at(grid->image, at->cell, down, sign * i), &next) ||
+				!are_like(grid, &last, &next))
 				break;
 			count++;
 		}
@@ -80,32 +119,25 @@ static int run_length(const gw_range_grid *grid, size_t cell, bool down)
 }
 
 /* The angle between neighbours around a cell, along its row or its column. */
-static double angle_at(const gw_range_grid *grid, size_t cell, bool down)
+static double angle_at(const gw_range_grid *grid, const place *at, bool down)
 {
-	double v[3], w[3], across[3];
-	gw_range_way(grid, cell, v);
+	double way[3];
 	for (int i = 0; i < 2 * APART; i++) {
 		int steps = (i % 2 ? -1 : 1) * (i / 2 + 1);
-		size_t other = cell_at(grid->image, cell, down, steps);
-		if (other == SIZE_MAX || !gw_range_way(grid, other, w))
-			continue;
-		for (size_t k = 0; k < 3; k++)
-			across[k] = v[(k + 1) % 3] * w[(k + 2) % 3] - v[(k + 2) % 3] * w[(k + 1) % 3];
-		return atan2(length_of(across), v[0] * w[0] + v[1] * w[1] + v[2] * w[2]) / abs(steps);
+		size_t other = cell_at(grid->image, at->cell, down, steps);
+		if (other != SIZE_MAX && gw_range_way(grid, other, way))
+			return angle_between(at->way, way) / abs(steps);
 	}
 	return grid->step;
 }
 
 float gw_range_own_area(const gw_range_grid *grid, const gw_range_plane *plane, size_t cell)
 {
-	double way[3];
-	if (!gw_range_way(grid, cell, way) ||
-		plane[grid->point[cell] - grid->image->first].half > SMALL)
+	place at;
+	if (!find_place(grid, plane, cell, &at) || at.plane->half > SMALL ||
+		is_on_rim(grid, plane, &at))
 		return 0.0f;
-	if (is_on_rim(grid, plane, cell))
+	if (run_length(grid, plane, &at, false) > THIN && run_length(grid, plane, &at, true) > THIN)
 		return 0.0f;
-	if (run_length(grid, cell, false) > THIN && run_length(grid, cell, true) > THIN)
-		return 0.0f;
-	double range = length_of(way);
-	return (float)(range * range * angle_at(grid, cell, false) * angle_at(grid, cell, true));
+	return (float)(at.range * at.range * angle_at(grid, &at, false) * angle_at(grid, &at, true));
 }

@@ -16,7 +16,6 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 
-#define POINTS 384u
 /* Where all normals were given, one of so many of them is looked at first; the rest only where more
  * than this share of all rays says that something is wrong. Of a room with one of six walls turned
  * that is 0.14. Less there is where noisy points see each other's backs at grazing angles, or
@@ -217,16 +216,16 @@ static double share_differing(const check *c)
 {
 	double differs = 0.0, all = 0.0;
 	for (size_t i = 0; i < c->choice.count; i++) {
-		all += open_rays(c, c->found[i]);
-		for (int k = 0; k < 2; k++) {
-			differs += c->found[i][k].differs;
-			all += c->found[i][k].differs + c->found[i][k].fits;
-		}
+		const side *of = c->found[i];
+		double opposite = of[0].differs + of[1].differs;
+		differs += c->choice.weight[i] * opposite;
+		all += c->choice.weight[i] * (opposite + of[0].fits + of[1].fits + open_rays(c, of));
 	}
 	return all > 0.0 ? differs / all : 0.0;
 }
 
-/* The same of all rays, also those that meet nothing, of the points that were looked at. */
+/* The same of all rays, also those that meet nothing, of the points that were looked at, where all
+ * count alike: normals were given. */
 static double share_of_rays(const check *c)
 {
 	double differs = 0.0;
@@ -311,10 +310,11 @@ typedef struct component_rays {
 static void add_to_component(const check *c, size_t i, component_rays *to)
 {
 	const side *of = c->found[i];
-	to->all += of[0].fits + of[1].fits + of[0].differs + of[1].differs + open_rays(c, of);
-	to->differs += of[0].differs + of[1].differs;
-	to->wrong += c->wrong[i];
-	to->points += 1.0;
+	double weight = c->choice.weight[i], opposite = of[0].differs + of[1].differs;
+	to->all += weight * (opposite + of[0].fits + of[1].fits + open_rays(c, of));
+	to->differs += weight * opposite;
+	to->wrong += weight * c->wrong[i];
+	to->points += weight;
 }
 
 /* What is wrong of a component at most, over what its points say one by one. As w of all points are
@@ -392,16 +392,33 @@ static bool emits(const gw_surfels *s, size_t i)
 	return s->emission && gw_luminance(s->emission + 3 * i) > 0.0;
 }
 
+/* What a point that is lit from both sides may be off by: its light. */
+static double doubt(const check *c, size_t i)
+{
+	if (!c->task->surfels->two_sided[i])
+		return 0.0;
+	return c->task->radiance ? (double)c->task->radiance[i] : 1.0;
+}
+
 static gw_status draw(check *c, gw_error *error)
 {
 	const gw_surfels *s = c->task->surfels;
 	bool *counts = gw_allocate_array(s->count, sizeof *counts);
-	if (!counts)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu points", s->count);
-	for (size_t i = 0; i < s->count; i++)
+	double *unknown = gw_allocate_array(s->count, sizeof *unknown), sum = 0.0;
+	const double *const part[] = { unknown };
+	const gw_check_point_shares shares = { s->count, counts, part, 1 };
+	gw_status status = GW_OK;
+	if (!counts || !unknown)
+		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu points", s->count);
+	for (size_t i = 0; i < s->count && status == GW_OK; i++) {
 		counts[i] = !emits(s, i) && (!c->task->asked || c->task->asked[i]);
-	gw_status status = gw_check_point_choose(&(gw_check_point_shares){ s->count, counts, NULL, 0 },
-											 POINTS, c->task->seed, &c->choice, error);
+		unknown[i] = doubt(c, i);
+		sum += counts[i] ? unknown[i] : 0.0;
+	}
+	if (status == GW_OK)
+		status = gw_check_point_choose(&shares, sum > 0.0 ? 2 * GW_SIDE_POINTS : GW_SIDE_POINTS,
+									   c->task->seed, &c->choice, error);
+	free(unknown);
 	free(counts);
 	return status;
 }

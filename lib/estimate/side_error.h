@@ -23,6 +23,10 @@
 #include "estimate/check_discs.h"
 #include "estimate/check_light.h"
 
+/* So many points are looked from, and as many again where some are lit from both sides: these are
+ * few, and one of them may be off by more than hundreds of others. */
+#define GW_SIDE_POINTS 384u
+
 typedef struct gw_side_task {
 	gw_gpu *gpu;
 	const gw_octree *octree;

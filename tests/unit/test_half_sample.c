@@ -34,6 +34,15 @@ static void make(const gw_points *points, uint32_t level, gw_half_sample *half)
 	assert_ok(gw_half_sample_make(points, level, half, &error), &error);
 }
 
+static gw_half_difference difference(const gw_half_sample *half, const gw_bake_result *of_half,
+									 const gw_bake_result *of_all)
+{
+	gw_half_difference d = { 0 };
+	gw_error error;
+	assert_ok(gw_half_sample_difference(half, of_half, of_all, &d, &error), &error);
+	return d;
+}
+
 /* About half, each with all that is its own, and half of these again. */
 static void takes_half_and_half_of_it(void **state)
 {
@@ -127,7 +136,7 @@ static void compares_what_is_lit(void **state)
 		of_half.radiance[i] = i / 3 % 2 ? 2.5f : 1.5f;
 	all.stray[half.from[7]] = 1;
 	of_half.radiance[3 * 7] = 1e6f;
-	gw_half_difference d = gw_half_sample_difference(&half, &of_half, &all);
+	gw_half_difference d = difference(&half, &of_half, &all);
 	assert_float_equal(d.rest, 0.25, 1e-6);
 	assert_float_equal(d.turned, 0.0, 1e-12);
 	/* Those of a quarter of the half show the other side there. */
@@ -138,13 +147,13 @@ static void compares_what_is_lit(void **state)
 		all.normal[3 * i + 2] = 1.0f;
 	for (size_t i = 0; i < count; i++)
 		of_half.normal[3 * i + 2] = i % 4 == 0 ? -1.0f : 1.0f;
-	d = gw_half_sample_difference(&half, &of_half, &all);
+	d = difference(&half, &of_half, &all);
 	assert_float_equal(d.turned, 0.125, 1e-3);
 	assert_float_equal(gw_half_difference_all(&d), 0.25, 1e-6);
 	/* Light that only the half lets in counts as much as all that it has. */
 	for (size_t i = 0; i < 3 * count; i++)
 		of_half.radiance[i] = 200.0f;
-	d = gw_half_sample_difference(&half, &of_half, &all);
+	d = difference(&half, &of_half, &all);
 	assert_float_equal(gw_half_difference_all(&d), 0.99, 1e-6);
 	free(all.normal);
 	free(of_half.normal);
@@ -152,6 +161,47 @@ static void compares_what_is_lit(void **state)
 	free(all.stray);
 	free(of_half.radiance);
 	gw_half_sample_clear(&half);
+}
+
+/* A row of points 1 m apart, the first of which is nowhere and the next 40 turn, with records 5 m
+ * apart: the light of the next five comes from the same ones. */
+static void beside_what_turns_is_known(void **state)
+{
+	(void)state;
+	enum { ROW = 401, TURNED = 41 };
+	double *at = calloc(3 * ROW, sizeof *at);
+	float *up = calloc(3 * ROW, sizeof *up), *other = calloc(3 * ROW, sizeof *other);
+	float *one = calloc(3 * ROW, sizeof *one), *two = calloc(3 * ROW, sizeof *two);
+	size_t *from = calloc(ROW, sizeof *from);
+	assert_true(at && up && other && one && two && from);
+	for (size_t i = 0; i < ROW; i++) {
+		from[i] = i;
+		at[3 * i] = 4e6 + (double)i; /* as in a map's coordinates */
+		up[3 * i + 2] = 1.0f;
+		other[3 * i + 2] = i < TURNED ? -1.0f : 1.0f;
+		for (size_t k = 0; k < 3; k++) {
+			one[3 * i + k] = 1.0f;
+			two[3 * i + k] = i < TURNED + 5 ? 0.0f : 1.0f;
+		}
+	}
+	at[0] = NAN;
+	const gw_half_sample half = { .points = { .count = ROW }, .position = at, .from = from };
+	const gw_bake_result all = { .count = ROW, .radiance = one, .normal = up };
+	gw_bake_result of_half = { .count = ROW, .radiance = two, .normal = other };
+	of_half.report = (gw_report){ .records = 100, .record_spacing = 2.5f, .leaf_size = 2.0 };
+	of_half.report.error = (gw_error_estimate){ .points = 64, .sides = 0.3 };
+	gw_half_difference d = difference(&half, &of_half, &all);
+	assert_float_equal(d.turned, sqrt(0.1), 1e-6);
+	assert_float_equal(d.near, sqrt(5.0 / 400.0), 1e-6);
+	assert_float_equal(d.rest, 0.0, 1e-12);
+	assert_float_equal(d.turned_share, 0.1, 1e-12);
+	assert_true(d.sides_asked && d.sides == 0.3);
+	of_half.report = (gw_report){ .records = 0 }; /* lamps alone: each point has its own light */
+	d = difference(&half, &of_half, &all);
+	assert_float_equal(d.near, 0.0, 1e-12);
+	assert_float_equal(d.rest, sqrt(5.0 / 400.0), 1e-6);
+	assert_false(d.sides_asked);
+	free(at), free(up), free(other), free(one), free(two), free(from);
 }
 
 static gw_error_estimate added(double first, double second, double gathered, double stated)
@@ -191,6 +241,35 @@ static void sides_guessed_alike_are_known_by_rays(void **state)
 	gw_error_estimate other = { .relative_rms = 0.02, .sides = 0.01 };
 	gw_half_sample_add(&first, &second, 0.0, &other);
 	assert_float_equal(other.relative_rms, 0.05, 1e-12);
+}
+
+/* Rays find three times as much wrong with the half's sides: a tenth of the square difference is
+ * that of all points, and an eighth beside what turns. Where few points turn rays may have missed
+ * them, which makes the two less unlike. */
+static void sides_are_worse_in_the_half(void **state)
+{
+	(void)state;
+	const gw_half_difference none = { 0 };
+	const double huge = 1e9; /* of the points: none is missed */
+	gw_half_difference first = { .turned = 0.1, .turned_share = huge, .sides_asked = true };
+	gw_error_estimate e = { .sides = 0.02 };
+	first.sides = 0.06;
+	gw_half_sample_add(&first, &none, 0.0, &e);
+	assert_float_equal(e.halves, 0.0316227766, 1e-9);
+	first.turned = 0.0;
+	first.near = 0.1;
+	e = (gw_error_estimate){ .sides = 0.02 };
+	gw_half_sample_add(&first, &none, 0.0, &e);
+	assert_float_equal(e.halves, 0.0353553391, 1e-9);
+	first = (gw_half_difference){ .turned = 0.1, .turned_share = 2.0 / 384.0, .sides_asked = true };
+	first.sides = 0.1; /* (0.01 + u) / u = 3, with u = 0.005 */
+	e = (gw_error_estimate){ .sides = 0.0 };
+	gw_half_sample_add(&first, &none, 0.0, &e);
+	assert_float_equal(e.halves, 0.05, 1e-9);
+	first.sides_asked = false;
+	e = (gw_error_estimate){ .sides = 0.0 };
+	gw_half_sample_add(&first, &none, 0.0, &e);
+	assert_float_equal(e.halves, 0.0707106781, 1e-8);
 }
 
 /* Errors that fall as 1 / sqrt(n) show as they are, those that fall as 1 / n by more. */
@@ -239,7 +318,9 @@ int main(void)
 		cmocka_unit_test(does_not_care_for_the_order),
 		cmocka_unit_test(leaves_every_other_column),
 		cmocka_unit_test(compares_what_is_lit),
+		cmocka_unit_test(beside_what_turns_is_known),
 		cmocka_unit_test(sides_are_wrong_in_both),
+		cmocka_unit_test(sides_are_worse_in_the_half),
 		cmocka_unit_test(sides_guessed_alike_are_known_by_rays),
 		cmocka_unit_test(says_how_wrong_all_points_are),
 		cmocka_unit_test(uneven_points_are_doubted),

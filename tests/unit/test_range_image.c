@@ -2,6 +2,7 @@
  * they are no picture. */
 #include "simulated_scan.h"
 #include "cloud/range_image.h"
+#include "random_numbers.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -291,6 +292,86 @@ static void wires_cover_what_they_cover(void **state)
 	clear(&s);
 }
 
+/* Slats before a far wall, some columns wide and ten apart, whose faces are turned from the
+ * scanner's beams; steps along columns and rows, degrees; noise in metres. */
+typedef struct slats {
+	uint32_t columns;
+	double turned, column_step, row_step, noise;
+} slats;
+
+enum { SLAT_COLUMNS = 60, SLAT_ROWS = 200 };
+
+/* The range of a cell. */
+static double slat_range(const slats *s, uint32_t column, double up)
+{
+	const double degree = M_PI / 180.0;
+	double turn = s->column_step * degree * (column % 10 - 0.5 * (s->columns - 1));
+	double near = 4.0 * cos(s->turned * degree) / cos(s->turned * degree + turn);
+	return (column % 10 < s->columns ? near : 20.0) / cos(up);
+}
+
+/* Shares of the points on slats, and on the wall, that are taken for things by themselves. */
+static void share_thin(const slats *s, double *of_slats, double *of_wall)
+{
+	const double degree = M_PI / 180.0;
+	double *position = calloc(3 * SLAT_COLUMNS * SLAT_ROWS, sizeof *position);
+	uint32_t *cell = calloc(SLAT_COLUMNS * SLAT_ROWS, sizeof *cell), thin[2] = { 0 },
+			 all[2] = { 0 };
+	gw_range_image image = { 0, SLAT_COLUMNS * SLAT_ROWS, SLAT_COLUMNS, SLAT_ROWS, { 0, 0, 0 } };
+	uint64_t seed = 5;
+	assert_true(position && cell);
+	for (uint32_t i = 0; i < SLAT_COLUMNS * SLAT_ROWS; i++) {
+		double turn = s->column_step * degree * (i % SLAT_COLUMNS);
+		double up = s->row_step * degree * (i / SLAT_COLUMNS);
+		double range = slat_range(s, i % SLAT_COLUMNS, up) + s->noise * random_normal(&seed);
+		position[3 * i] = range * cos(turn) * cos(up);
+		position[3 * i + 1] = range * sin(turn) * cos(up);
+		position[3 * i + 2] = range * sin(up);
+		cell[i] = i;
+	}
+	const gw_points points = { .count = image.count,
+							   .position = position,
+							   .image = &image,
+							   .image_count = 1,
+							   .image_cell = cell };
+	gw_ranged_points ranged = use(&points, 0);
+	for (size_t i = 0; i < image.count; i++) {
+		bool wall = i % SLAT_COLUMNS % 10 >= s->columns;
+		all[wall]++;
+		thin[wall] += ranged.own_area && ranged.own_area[i] > 0.0f;
+	}
+	*of_slats = (double)thin[0] / all[0];
+	*of_wall = (double)thin[1] / all[1];
+	gw_ranged_points_clear(&ranged);
+	free(position);
+	free(cell);
+}
+
+/* A surface four cells wide is none that stands for its cells, also where it is seen at 80 degrees
+ * and more, so that the ranges of neighbours differ by many steps, and where rows are nearer to
+ * each other than columns. Two cells are. */
+static void slats_at_grazing_view_are_surface(void **state)
+{
+	(void)state;
+	const slats row[] = {
+		{ 4, 0, 0.2, 0.2, 0 },      { 4, 70, 0.2, 0.2, 0 },     { 4, 80, 0.2, 0.2, 0 },
+		{ 4, 80, 0.2, 0.05, 0 },    { 4, 60, 0.4, 0.1, 0 },     { 4, 85, 0.2, 0.2, 0 },
+		{ 4, 80, 0.2, 0.2, 0.003 }, { 4, 60, 0.4, 0.1, 0.003 }, { 2, 0, 0.2, 0.2, 0 },
+		{ 2, 70, 0.2, 0.2, 0 },
+	};
+	for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+		double thin, wall;
+		share_thin(&row[i], &thin, &wall);
+		print_message(
+			"slats of %u columns, turned by %.0f degrees, steps %.2f and %.2f, noise %.3f "
+			"m: %.3f thin, and %.3f of the wall\n",
+			row[i].columns, row[i].turned, row[i].column_step, row[i].row_step, row[i].noise, thin,
+			wall);
+		assert_true(row[i].columns == 2 ? thin > 0.99 : thin < 0.01);
+		assert_true(wall < 0.01);
+	}
+}
+
 /* As surfels, points on wires are discs hardly wider than a cell, some 40 mm, where wires
  * are 100 mm apart; and normals that come from the picture are known to be a little off. */
 static void wires_are_small_discs(void **state)
@@ -400,10 +481,15 @@ static void errors_of_normals_are_told(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(noise_is_smoothed),           cmocka_unit_test(clean_points_stay),
-		cmocka_unit_test(steps_are_no_stairs),         cmocka_unit_test(windows_leave_no_steps),
-		cmocka_unit_test(mixed_pixels_are_found),      cmocka_unit_test(no_pictures_tell_nothing),
-		cmocka_unit_test(wires_cover_what_they_cover), cmocka_unit_test(wires_are_small_discs),
+		cmocka_unit_test(noise_is_smoothed),
+		cmocka_unit_test(clean_points_stay),
+		cmocka_unit_test(steps_are_no_stairs),
+		cmocka_unit_test(windows_leave_no_steps),
+		cmocka_unit_test(slats_at_grazing_view_are_surface),
+		cmocka_unit_test(mixed_pixels_are_found),
+		cmocka_unit_test(no_pictures_tell_nothing),
+		cmocka_unit_test(wires_cover_what_they_cover),
+		cmocka_unit_test(wires_are_small_discs),
 		cmocka_unit_test(errors_of_normals_are_told),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
