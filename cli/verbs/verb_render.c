@@ -5,6 +5,7 @@
 #include "files/number_text.h"
 #include "pictures/octree_picture.h"
 #include "pictures/octree_view.h"
+#include "pictures/picture_holes.h"
 #include "options/options.h"
 #include "options/preview.h"
 #include "options/progress.h"
@@ -511,6 +512,29 @@ static gw_status write_picture(const render *r, size_t picture, const gw_gbuffer
 	return status;
 }
 
+/* Holes of this share of a picture, or more, are spoken of; and so dark they look like shadow: what
+ * a picture shows at 8 bits, encoded, as a tenth of white or less. */
+#define HOLES_SHARE 0.003
+#define HOLES_DARK 0.01
+
+/* Where points are missing, a dark background is taken for shadow. */
+static gw_status note_holes(const render *r, const gw_gbuffer *g)
+{
+	const render_background *b = &r->look.background;
+	bool dark = !b->transparent && fmax(fmax(b->rgb[0], b->rgb[1]), b->rgb[2]) <= HOLES_DARK;
+	double share;
+	if (!dark || r->settings->quiet || r->exr || !render_view_is_light(r->look.view))
+		return GW_OK;
+	GW_TRY(picture_holes_find(g, &share, r->error));
+	if (share >= HOLES_SHARE)
+		fprintf(
+			stderr,
+			"glowworm: note: within the points %.2g %% of the picture is black because no point "
+			"is there, not for shadow; --background 0.3 tells them apart\n",
+			100.0 * share);
+	return GW_OK;
+}
+
 static gw_status make_picture(render *r, size_t picture)
 {
 	gw_gbuffer g;
@@ -522,6 +546,8 @@ static gw_status make_picture(render *r, size_t picture)
 						 "no point is in view; --camera auto finds a camera that sees some");
 	if (status == GW_OK && g.drawn == 0 && !r->settings->quiet)
 		fprintf(stderr, "glowworm: note: no point is in view of picture %zu\n", picture + 1);
+	if (status == GW_OK && picture == 0)
+		status = note_holes(r, &g);
 	double start = gw_seconds();
 	if (status == GW_OK)
 		status = write_picture(r, picture, &g, values);
