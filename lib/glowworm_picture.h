@@ -539,6 +539,14 @@ gw_status gw_render_octree_reflect(gw_render_octree *octree, const gw_pixels *pi
 								   const gw_reflection *reflection, float *reflected,
 								   gw_error *error);
 
+/* What an octree's radiance caches took so far, as Rehfeld, Zirr and Dachsbacher 2014 have it. */
+typedef struct gw_cache_seconds {
+	uint64_t caches, readers;                  /* and the pixels that read them */
+	double distribution, creation, evaluation; /* seconds: placed, filled, read */
+} gw_cache_seconds;
+
+gw_cache_seconds gw_render_octree_cache_seconds(const gw_render_octree *octree);
+
 struct gw_probes; /* glowworm_probes.h */
 
 /*

@@ -795,6 +795,20 @@ static void show_final(const render *r)
 	fprintf(stderr, "%-18s %9.1f MB\n", "G-buffer", (double)r->pixel_bytes / (1024.0 * 1024.0));
 }
 
+/* The rows of Rehfeld's tables that are of caches, of all pictures and what metered them. */
+static void show_caches(const render *r)
+{
+	if (!r->octree.octree || !r->octree.reflection.caches)
+		return;
+	const gw_cache_seconds spent = gw_render_octree_cache_seconds(r->octree.octree);
+	fprintf(stderr, "\n%-18s %9s\n", "caches", "ms");
+	show_stage("distribution", spent.distribution);
+	show_stage("creation", spent.creation);
+	show_stage("evaluation", spent.evaluation);
+	fprintf(stderr, "%-18s %9llu\n", "placed", (unsigned long long)spent.caches);
+	fprintf(stderr, "%-18s %9llu\n", "pixels", (unsigned long long)spent.readers);
+}
+
 /* What --profile says. */
 static void show_profile(const render *r)
 {
@@ -810,6 +824,7 @@ static void show_profile(const render *r)
 	show_stage("write", r->write_seconds);
 	show_stage("net", r->read_seconds + r->draw_seconds);
 	show_final(r);
+	show_caches(r);
 	fprintf(stderr, "\n%-18s %9zu\n", "points", scene->surfels.point_count);
 	fprintf(stderr, "%-18s %9zu\n", "in view", scene->surfels.count);
 	if (getrusage(RUSAGE_SELF, &usage) == 0)

@@ -5,6 +5,7 @@
 
 #include "base/memory.h"
 #include "base/shader_math.h"
+#include "glowworm_host.h"
 #include "picture/gloss_clusters.h"
 #include "picture/gloss_functions.h"
 
@@ -169,14 +170,19 @@ static gw_status make(gw_render_octree *o, const gw_pixels *pixels, const gw_ref
 					  gw_gloss_caches *c, gw_error *error)
 {
 	gw_gloss_clusters clusters = { 0 };
+	double start = gw_seconds();
 	GW_TRY(gw_gloss_clusters_make(pixels, CACHES_MOST, &clusters, error));
 	c->count = (uint32_t)clusters.count;
 	c->tile = clusters.tile;
 	c->columns = clusters.columns;
 	c->rows = clusters.rows;
 	gw_status status = c->count ? place_all(o, pixels, &clusters, c, error) : GW_OK;
+	double placed = gw_seconds();
 	if (status == GW_OK && c->count)
 		status = fill(o, r, c, error);
+	o->cache_seconds.caches += c->count;
+	o->cache_seconds.distribution += placed - start;
+	o->cache_seconds.creation += gw_seconds() - placed;
 	gw_gloss_clusters_clear(&clusters);
 	return status;
 }

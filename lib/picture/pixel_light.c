@@ -5,6 +5,7 @@
 #include "picture/render_octree.h"
 
 #include "base/memory.h"
+#include "glowworm_host.h"
 #include "picture/gloss_caches.h"
 
 #include <stdlib.h>
@@ -221,7 +222,10 @@ static gw_status reflect_by_caches(gw_render_octree *o, const gw_pixels *pixels,
 	gw_gloss_caches caches;
 	GW_TRY(gw_gloss_caches_make(o, pixels, reflection, &caches, error));
 	const cache_run how = { &caches, reflection };
+	double start = gw_seconds();
 	gw_status status = reflect_part(o, pixels, &how, true, reflected, error);
+	o->cache_seconds.readers += caches.reader_count;
+	o->cache_seconds.evaluation += gw_seconds() - start;
 	if (status == GW_OK)
 		status = reflect_part(o, pixels, &how, false, reflected, error);
 	gw_gloss_caches_destroy(o->gpu, &caches);

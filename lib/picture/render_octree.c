@@ -139,6 +139,11 @@ gw_octree_width gw_render_octree_width(const gw_render_octree *octree)
 	return (gw_octree_width){ (double)o->leaf_size, (double)o->wanted_leaf_size, o->why_coarser };
 }
 
+gw_cache_seconds gw_render_octree_cache_seconds(const gw_render_octree *octree)
+{
+	return octree->cache_seconds;
+}
+
 gw_status gw_render_octree_records(gw_render_octree *o, const gw_surfels *surfels,
 								   const gw_bake_options *bake, float **position, size_t *count,
 								   gw_error *error)

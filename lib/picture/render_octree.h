@@ -20,6 +20,7 @@ struct gw_render_octree {
 	gw_cone_gather bricks;
 	float scale;    /* of the radiance in the bricks */
 	gw_sky_map sky; /* width 0: there is none */
+	gw_cache_seconds cache_seconds;
 };
 
 /* From metres to grid coordinates. */

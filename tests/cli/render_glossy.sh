@@ -45,6 +45,10 @@ for threads in 1 2; do
 done
 # shellcheck disable=SC2086
 eval run 0 render rough.ply -o rough.png $around --glossy caches
+# What they take is told.
+# shellcheck disable=SC2086
+eval run 0 render rough.ply -o told.png $around --glossy caches --profile |
+	awk '/^(distribution|creation|evaluation|placed|pixels) / { print $1, ($2 > 0 ? "some" : $2) }'
 # shellcheck disable=SC2086
 eval run 0 render rough.ply -o rough-rays.png $around --glossy rays
 for name in orbit1-0001 orbit1-0002 orbit1-0003 orbit2-0001 orbit2-0002 orbit2-0003 \
