@@ -17,10 +17,11 @@ ifeq ($(config),sanitize)
 BUILD   := build/sanitize
 # A report names lines and functions; to describe variables as well doubles the time of kernels.
 OPT     := -O1 -g1 -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer
-KEEP_LOADED := $(BUILD)/tests/keep_loaded.o
+FOR_TESTS := $(BUILD)/tests/keep_loaded.o
 else ifeq ($(config),coverage)
 BUILD   := build/coverage
 OPT     := -O1 -g --coverage -fprofile-update=atomic
+FOR_TESTS := $(BUILD)/tests/lift_file_limit.o
 else ifeq ($(config),fuzz)
 BUILD   := build/fuzz
 CC      := clang
@@ -234,8 +235,8 @@ $(BUILD)/tests/fuzz/fuzz: $(BUILD)/tests/fuzz/fuzz_main.o $(BUILD)/libhelpers.a 
 		$(BUILD)/libprogram.a $(BUILD)/libglowworm.a
 	$(CXX) $(LDFLAGS) -fsanitize=fuzzer -o $@ $^ $(LDLIBS)
 
-# Only of a sanitized build: see tests/keep_loaded.c.
-$(BUILD)/glowworm $(TEST_PROGRAMS): $(KEEP_LOADED)
+# Only of builds with sanitizers or counters: see tests/keep_loaded.c, tests/lift_file_limit.c.
+$(BUILD)/glowworm $(TEST_PROGRAMS): $(FOR_TESTS)
 
 # They count what readers allocate and make allocations fail.
 $(BUILD)/tests/hostile/test_damaged $(BUILD)/tests/hostile/test_damaged_las: LDFLAGS += $(addprefix -Wl$(comma)--wrap=,malloc calloc realloc \

@@ -9,8 +9,9 @@
 # lines and branches a second of the processor, until 99.5 % of the lines are reached that all tests
 # reach. What takes long and reaches little that others do not is left out.
 #
-# What each test reached is kept in build/coverage/reached, a file a test; remove one to have it
-# counted anew. Takes some 900 seconds of the processor.
+# What each test reached is kept in build/coverage/reached, a file a test, until the test or the
+# program is made anew; when one fails, which is then not kept, the list stays as it is. Takes some
+# 900 seconds of the processor.
 set -u
 export LC_ALL=C TZ=UTC
 cd "$(dirname "$0")/.." || exit 70
@@ -41,17 +42,25 @@ list_reached() {
 
 # Runs a test and keeps what it reached; the first line is its source and seconds.
 count_one() { # source
-	local name counters
+	local name counters program=build/coverage/${1%.*}
 	name=$(basename "$1")
-	[ -f "$kept/$name" ] && return
+	[ "${1##*.}" = sh ] && program=build/coverage/glowworm
+	[ "$kept/$name" -nt "$program" ] && [ "$kept/$name" -nt "$1" ] && return
+	rm -f "$kept/$name"
 	counters=$(mktemp -d "${TMPDIR:-/tmp}/glowworm-coverage.XXXXXX") || exit 70
 	# The root's folders are left out of the counters' paths.
 	export GCOV_PREFIX=$counters GCOV_PREFIX_STRIP
 	GCOV_PREFIX_STRIP=$(tr -cd / <<<"$root" | wc -c)
 	case $1 in
-	*.sh) GLOWWORM=build/coverage/glowworm timeout 1200 tests/cli/run "$1" ;;
-	*) timeout 1200 "build/coverage/${1%.*}" ;;
-	esac </dev/null >"$counters/log" 2>&1 || echo "$1 failed where lines are counted"
+	*.sh) GLOWWORM=$program timeout 1200 tests/cli/run "$1" ;;
+	*) timeout 1200 "$program" ;;
+	esac </dev/null >"$counters/log" 2>&1
+	if [ $? -ne 0 ]; then
+		echo "$1 failed where lines are counted:"
+		tail -n 40 "$counters/log" | sed 's/^/   /'
+		rm -rf "$counters"
+		return
+	fi
 	seconds_spent
 	link_notes "$counters"
 	{
@@ -123,6 +132,9 @@ for source in "${sources[@]}"; do
 	count_one "$source" &
 done
 wait
+for source in "${sources[@]}"; do
+	[ -f "$kept/$(basename "$source")" ] || exit 1
+done
 {
 	sed '/^[^#]/,$d' tests/not_sanitized
 	choose "${sources[@]/#*\//$kept/}"

@@ -221,7 +221,7 @@ static gw_status find_dark_slot(gw_octree_work *work, gw_error *error)
 gw_status gw_octree_reduce_leaves(gw_octree_work *work, gw_error *error)
 {
 	gw_octree *octree = work->octree;
-	uint32_t longest;
+	uint32_t longest = 0;
 	GW_TRY(find_longest(work, &longest, error));
 	GW_TRY(create_leaves(work, error));
 	gw_leaves_push push = {

@@ -20,5 +20,5 @@ glowworm info a.ply >/dev/full
 echo "full disk for info: $?"
 { glowworm bake a.ply -q --light "$lamp" -o -; echo "closed pipe: $?" >&2; } | true
 { glowworm bake a.ply -q --light "$lamp" -o - >&-; echo "closed output: $?" >&2; }
-(ulimit -f 1; glowworm bake a.ply a.ply -q --light "$lamp" -o limit.ply)
+(ulimit -S -f 1; glowworm bake a.ply a.ply -q --light "$lamp" -o limit.ply)
 echo "file size limit: $?"

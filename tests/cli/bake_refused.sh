@@ -27,10 +27,10 @@ run 73 frames.json --frames all -o "$long.ply" | sed 's/0000*/0/'
 glowworm render near.ply -o "$long.png" --orbit 2 2>&1 | sed 's/0000*/0/'
 { make_cloud 0 | sed 's/vertex 2/vertex 42/' && seq 1 40 | sed 's/$/ 0 0/'; } >many.ply
 for format in ply las csv cloud; do
-	(ulimit -f 1 && run 74 many.ply -o out.$format --threads 1) 2>&1 | cat
+	(ulimit -S -f 1 && run 74 many.ply -o out.$format --threads 1) 2>&1 | cat
 done
 { make_cloud 0 | sed 's/vertex 2/vertex 102/' && seq 1 100 | sed 's/$/ 0 0/'; } >more.ply
 for option in '--vdb out.vdb' '--save-transport out.transport'; do
-	(ulimit -f 1 && run 74 more.ply $option --threads 1) 2>&1 | cat
+	(ulimit -S -f 1 && run 74 more.ply $option --threads 1) 2>&1 | cat
 done
 ls -A
