@@ -21,7 +21,7 @@ FOR_TESTS := $(BUILD)/tests/keep_loaded.o
 else ifeq ($(config),coverage)
 BUILD   := build/coverage
 OPT     := -O1 -g --coverage -fprofile-update=atomic
-FOR_TESTS := $(BUILD)/tests/lift_file_limit.o
+FOR_TESTS := $(BUILD)/tests/write_counts.o
 else ifeq ($(config),fuzz)
 BUILD   := build/fuzz
 CC      := clang
@@ -235,7 +235,7 @@ $(BUILD)/tests/fuzz/fuzz: $(BUILD)/tests/fuzz/fuzz_main.o $(BUILD)/libhelpers.a 
 		$(BUILD)/libprogram.a $(BUILD)/libglowworm.a
 	$(CXX) $(LDFLAGS) -fsanitize=fuzzer -o $@ $^ $(LDLIBS)
 
-# Only of builds with sanitizers or counters: see tests/keep_loaded.c, tests/lift_file_limit.c.
+# Only of builds with sanitizers or counters: see tests/keep_loaded.c, tests/write_counts.c.
 $(BUILD)/glowworm $(TEST_PROGRAMS): $(FOR_TESTS)
 
 # They count what readers allocate and make allocations fail.
