@@ -44,14 +44,19 @@ static const double reciprocal_pi = 0.31830988618379067;
  * or so on scenes with known answers, by which the estimate is less sure than its points say. */
 #define UNSEEN_SHARE 0.1
 
+/* What all points are off alike counts in each reflection, 20 times among white walls: only that
+ * much of it as is beyond chance, by so many of its standard errors, of which 95 % are within two.
+ */
+#define SURE_DEVIATIONS 2.0
+
 /* What the estimate of one lighting needs. */
 typedef struct estimate {
 	bool *counts;                 /* one a surfel: whether its error counts */
 	gw_check_point_choice choice; /* points that are solved again */
 	gw_records place;             /* position and normal of each, and what it gathers */
 	uint32_t *behind;             /* one a check point: rays that passed the back of a surface */
-	float *half[2]; /* 4 a check point, irradiance that the first and the second gather found */
-	double mean_square;     /* of what all are off alike, that far as points are sure of it */
+	float *half[2];     /* 4 a check point, irradiance that the first and the second gather found */
+	double mean_square; /* of what all are off alike, that far as points are sure of it */
 	gw_hit_light hit_light; /* empty where facets' light is not asked, or comes by no rays */
 } estimate;
 
@@ -367,14 +372,15 @@ static double reflections(const gw_estimate_task *task)
  * Points gather what the bake says that surfaces send out, so what they find is what one gather is
  * off. Where G is what gathers right and the bake is off by b, L = E + G L + b is off by
  * (1 - G)^-1 b: what is too much on average is so again in each reflection. That holds for records'
- * rays, too, where facets are the mean of points that do not count alike; geometry_error.h says what
- * the octree's surface adds, which points see as records do. Returns by how much more the mean
+ * rays, too, where facets are the mean of points that do not count alike; geometry_error.h says
+ * what the octree's surface adds, which points see as records do. Returns by how much more the mean
  * square is, and what it is in all into e->mean_square.
  */
 static double square_of_reflections(const gw_estimate_task *task, gw_check_point_mean off,
 									estimate *e)
 {
-	double sure = fmax(off.mean * off.mean - off.variance, 0.0), times = 1.0;
+	double chance = SURE_DEVIATIONS * SURE_DEVIATIONS * off.variance, times = 1.0;
+	double sure = fmax(off.mean * off.mean - chance, 0.0);
 	if (task->bounces)
 		times = reflections(task);
 	e->mean_square = sure * times * times;

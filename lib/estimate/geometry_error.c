@@ -213,9 +213,8 @@ static ray_finding check_ray(const check *c, size_t record, uint32_t k)
 	double large = hit.large == GW_NONE ? sky : light_of(t, hit.large, ray.direction);
 	double found = facet == GW_NONE ? sky : facet_light(c, facet, &hit);
 	ray_light light = { is_seen(c, record, k) ? found : 0.0, small, large };
-	const gw_hit_place at = {
-		gw_plus(place, gw_times(ray.direction, distance_of(c, record, k))), ray.direction
-	};
+	const gw_hit_place at = { gw_plus(place, gw_times(ray.direction, distance_of(c, record, k))),
+							  ray.direction };
 	light_at_place(c, record, k, &at, &hit, &light);
 	return (ray_finding){ .excess = outside(light.found, light.small, light.large),
 						  .albedo = hit.large == GW_NONE ? 0.0 : reflectance(t->surfels, hit.large),

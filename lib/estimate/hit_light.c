@@ -162,7 +162,8 @@ static bool lies_on(const gw_hit_light *h, size_t nearest, float distance)
 	return distance <= h->task.surfels->radius[nearest] / h->task.octree->leaf_size + LEAF_DIAGONAL;
 }
 
-/* What a place reflects beyond its facet, pi times radiance, 3; nothing where that has two sides. */
+/* What a place reflects beyond its facet, pi times radiance, 3; nothing where that has two sides.
+ */
 static void find_beyond(const gw_hit_light *h, uint32_t facet, const gw_hit_place *place,
 						double *radiosity)
 {
