@@ -44,13 +44,19 @@ static const double reciprocal_pi = 0.31830988618379067;
  * or so on scenes with known answers, by which the estimate is less sure than its points say. */
 #define UNSEEN_SHARE 0.1
 
+/* What all points are off alike counts in each reflection, 20 times among white walls: only that
+ * much of it as is beyond chance, by so many of its standard errors, of which 95 % are within two.
+ */
+#define SURE_DEVIATIONS 2.0
+
 /* What the estimate of one lighting needs. */
 typedef struct estimate {
 	bool *counts;                 /* one a surfel: whether its error counts */
 	gw_check_point_choice choice; /* points that are solved again */
 	gw_records place;             /* position and normal of each, and what it gathers */
 	uint32_t *behind;             /* one a check point: rays that passed the back of a surface */
-	float *half[2]; /* 4 a check point, irradiance that the first and the second gather found */
+	float *half[2];     /* 4 a check point, irradiance that the first and the second gather found */
+	double mean_square; /* of what all are off alike, that far as points are sure of it */
 	gw_hit_light hit_light; /* empty where facets' light is not asked, or comes by no rays */
 } estimate;
 
@@ -365,16 +371,20 @@ static double reflections(const gw_estimate_task *task)
 /*
  * Points gather what the bake says that surfaces send out, so what they find is what one gather is
  * off. Where G is what gathers right and the bake is off by b, L = E + G L + b is off by
- * (1 - G)^-1 b: what is too much on average is so again in each reflection. Of records' rays
- * geometry_error.h says that; of what else gathers nothing does. Returns by how much more the mean
- * square is.
+ * (1 - G)^-1 b: what is too much on average is so again in each reflection. That holds for records'
+ * rays, too, where facets are the mean of points that do not count alike; geometry_error.h says
+ * what the octree's surface adds, which points see as records do. Returns by how much more the mean
+ * square is, and what it is in all into e->mean_square.
  */
-static double square_of_reflections(const gw_estimate_task *task, gw_check_point_mean off)
+static double square_of_reflections(const gw_estimate_task *task, gw_check_point_mean off,
+									estimate *e)
 {
-	double sure = fmax(off.mean * off.mean - off.variance, 0.0), times = 1.0;
-	if (task->options->method != GW_METHOD_RAYS && task->bounces)
+	double chance = SURE_DEVIATIONS * SURE_DEVIATIONS * off.variance, times = 1.0;
+	double sure = fmax(off.mean * off.mean - chance, 0.0);
+	if (task->bounces)
 		times = reflections(task);
-	return sure * (times * times - 1.0);
+	e->mean_square = sure * times * times;
+	return e->mean_square - sure;
 }
 
 static gw_status compare(const gw_estimate_task *task, estimate *e, double mean,
@@ -391,7 +401,7 @@ static gw_status compare(const gw_estimate_task *task, estimate *e, double mean,
 	list_errors(task, e, mean, value);
 	gw_check_point_mean square = gw_check_point_average(c, value[EXCESS]);
 	gw_check_point_mean off = gw_check_point_average(c, value[OFF]);
-	square.mean += square_of_reflections(task, off);
+	square.mean += square_of_reflections(task, off, e);
 	double rms = sqrt(fmax(square.mean, 0.0)), half = gw_check_point_average(c, value[HALVES]).mean;
 	result->points = c->count;
 	result->relative_rms = result->gathered = rms;
@@ -455,11 +465,14 @@ static void add_emission(const gw_estimate_task *task, const estimate *e, double
 	result->relative_rms = hypot(result->relative_rms, result->emission);
 }
 
-/* What bounces that nobody asked to be left out would add, all of which is missing. */
-static void add_remaining(const gw_estimate_task *task, gw_error_estimate *result)
+/* What bounces that nobody asked to be left out would add, all of which is missing. Points gather
+ * one bounce more than the bake, so what they find that all are off alike has it in it. */
+static void add_remaining(const gw_estimate_task *task, const estimate *e,
+						  gw_error_estimate *result)
 {
+	double unseen = task->remaining * task->remaining - e->mean_square;
 	if (task->limit == GW_BOUNCES_AUTO && (result->points > 0 || result->relative_rms > 0.0))
-		result->relative_rms = hypot(result->relative_rms, task->remaining);
+		result->relative_rms = hypot(result->relative_rms, sqrt(fmax(unseen, 0.0)));
 }
 
 /* Where the points stand, and what they see. */
@@ -665,7 +678,7 @@ gw_status gw_estimate_error(const gw_estimate_task *task, gw_error_estimate *res
 	if (status == GW_OK)
 		add_emission(task, &e, mean, result);
 	result->relative_rms = hypot(result->relative_rms, hypot(result->geometry, result->sides));
-	add_remaining(task, result);
+	add_remaining(task, &e, result);
 	gw_hit_light_close(&e.hit_light);
 	gw_records_destroy(task->passes->gpu, &e.place);
 	gw_check_point_choice_clear(&e.choice);

@@ -9,7 +9,8 @@
  * scenes of 100,000 points with known answers; the spread has a tenth of the error for that. The
  * points are drawn at random, more of them where errors are likely (check_point_choice.h).
  * What lamps send to the places that the rays meet they take from the lamps themselves, as facets
- * have that of the few points in them (hit_light.h).
+ * have that of the few points in them (hit_light.h). What all points are off alike is so again in
+ * each reflection.
  *
  * Each point gathers twice with half of the rays. Half of the two halves' mean square difference is
  * the variance of one half; a quarter of it is the noise of their mean, which is taken off the mean

@@ -173,7 +173,7 @@ typedef struct ray_light {
 
 /* Makes it that of the place that the ray meets: facets have the light of several points, and what
  * differs by where these lie is no fault of the octree. */
-static void light_at_place(const check *c, size_t record, uint32_t k, gw_vec3 at,
+static void light_at_place(const check *c, size_t record, uint32_t k, const gw_hit_place *at,
 						   const gw_check_hit *hit, ray_light *light)
 {
 	const gw_hit_light *h = c->task->hit_light;
@@ -213,8 +213,9 @@ static ray_finding check_ray(const check *c, size_t record, uint32_t k)
 	double large = hit.large == GW_NONE ? sky : light_of(t, hit.large, ray.direction);
 	double found = facet == GW_NONE ? sky : facet_light(c, facet, &hit);
 	ray_light light = { is_seen(c, record, k) ? found : 0.0, small, large };
-	gw_vec3 at = gw_plus(place, gw_times(ray.direction, distance_of(c, record, k)));
-	light_at_place(c, record, k, at, &hit, &light);
+	const gw_hit_place at = { gw_plus(place, gw_times(ray.direction, distance_of(c, record, k))),
+							  ray.direction };
+	light_at_place(c, record, k, &at, &hit, &light);
 	return (ray_finding){ .excess = outside(light.found, light.small, light.large),
 						  .albedo = hit.large == GW_NONE ? 0.0 : reflectance(t->surfels, hit.large),
 						  .passed_back_face = hit.passed_back_face };

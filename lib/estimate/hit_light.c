@@ -30,9 +30,8 @@ typedef struct facet_points {
 } facet_points;
 
 /* What lamps would send to a place with nothing in the way, luminance. */
-static double received(const gw_hit_light *h, gw_vec3 at, gw_vec3 normal)
+static double received(const gw_hit_light *h, gw_check_place place)
 {
-	const gw_check_place place = { at, normal };
 	double sum = 0.0;
 	for (size_t l = 0; l < h->lamps; l++) {
 		gw_vec3 towards;
@@ -54,34 +53,92 @@ static const float *normal_of(const gw_surfels *s, size_t surfel)
 	return (s->shading_normal ? s->shading_normal : s->normal) + 3 * surfel;
 }
 
+static gw_check_place own_place(const gw_hit_light *h, size_t i)
+{
+	return (gw_check_place){ place_of(h, i), gw_xyz(normal_of(h->task.surfels, i)) };
+}
+
 static void add_point(const gw_hit_light *h, size_t i, float weight, gw_vec3 at, facet_points *sum)
 {
 	gw_vec3 place = place_of(h, i), off = gw_minus(at, place);
 	for (size_t c = 0; c < 3; c++)
 		sum->direct[c] += (double)(weight * h->task.direct[4 * i + c]);
-	sum->whole += (double)weight * received(h, place, gw_xyz(normal_of(h->task.surfels, i)));
+	sum->whole += (double)weight * received(h, own_place(h, i));
 	if (gw_dot(off, off) < sum->squared) {
 		sum->squared = gw_dot(off, off);
 		sum->nearest = i;
 	}
 }
 
-/* The normal at a place near a point: that of the point, turned as its disc bends. */
-static gw_vec3 normal_at(const gw_hit_light *h, size_t i, gw_vec3 at)
+/* A bent disc and a way through a place, in metres, in the disc's own frame. */
+typedef struct bent_disc {
+	gw_vec3 t, b, n;
+	float bend[3];
+	float at[3], way[3]; /* along t, b and n */
+} bent_disc;
+
+/* How a disc bends along two directions in its plane. */
+static float bend_along(const bent_disc *d, const float *p, const float *q)
+{
+	return d->bend[0] * p[0] * q[0] + d->bend[1] * (p[0] * q[1] + p[1] * q[0]) +
+		   d->bend[2] * p[1] * q[1];
+}
+
+static bent_disc disc_of(const gw_hit_light *h, size_t i, const gw_hit_place *place)
 {
 	const gw_surfels *s = h->task.surfels;
-	const float *bend = s->bend ? s->bend + 3 * i : NULL;
-	gw_vec3 normal = gw_xyz(normal_of(s, i));
+	const float *n = s->normal + 3 * i, *bend = s->bend + 3 * i;
 	float tangent[3], bitangent[3];
-	if (!bend)
-		return normal;
-	gw_tangent_frame(s->normal + 3 * i, tangent, bitangent);
+	gw_tangent_frame(n, tangent, bitangent);
 	gw_vec3 t = gw_xyz(tangent), b = gw_xyz(bitangent);
-	gw_vec3 off = gw_times(gw_minus(at, place_of(h, i)), h->task.octree->leaf_size);
-	float x = gw_dot(off, t), y = gw_dot(off, b);
-	gw_vec3 turn =
-		gw_plus(gw_times(t, bend[0] * x + bend[1] * y), gw_times(b, bend[1] * x + bend[2] * y));
-	return gw_unit(gw_minus(normal, turn));
+	gw_vec3 off = gw_times(gw_minus(place->at, place_of(h, i)), h->task.octree->leaf_size);
+	return (bent_disc){ t,
+						b,
+						gw_xyz(n),
+						{ bend[0], bend[1], bend[2] },
+						{ gw_dot(off, t), gw_dot(off, b), gw_dot(off, gw_xyz(n)) },
+						{ gw_dot(place->way, t), gw_dot(place->way, b),
+						  gw_dot(place->way, gw_xyz(n)) } };
+}
+
+/* How far on the way goes through the disc's front; 0 where that is more than `most` from here. */
+static float way_to_disc(const bent_disc *d, float most)
+{
+	float above = d->at[2] - 0.5f * bend_along(d, d->at, d->at);
+	float rises = d->way[2] - bend_along(d, d->at, d->way);
+	float root = rises * rises + 2.0f * above * bend_along(d, d->way, d->way);
+	if (!(rises < 0.0f && root >= 0.0f))
+		return 0.0f;
+	float on = 2.0f * above / (sqrtf(root) - rises);
+	return fabsf(on) <= most ? on : 0.0f;
+}
+
+/*
+ * Where a ray that met a plane at a place meets the surface of which that is a piece, and the
+ * normal there: on the disc of a point nearby, which bends where planes go straight on. In a sphere
+ * planes stand out behind it: lamps are farther from them, and who comes flat meets them too far
+ * along.
+ */
+static gw_check_place surface_at(const gw_hit_light *h, size_t i, const gw_hit_place *place)
+{
+	const float leaf = h->task.octree->leaf_size;
+	gw_check_place found = { place->at, gw_xyz(normal_of(h->task.surfels, i)) };
+	if (!h->task.surfels->bend)
+		return found;
+	bent_disc d = disc_of(h, i, place);
+	float on = way_to_disc(&d, LEAF_DIAGONAL * leaf);
+	for (int k = 0; k < 3; k++)
+		d.at[k] += on * d.way[k];
+	if (hypotf(d.at[0], d.at[1]) > h->task.surfels->radius[i])
+		return own_place(h, i);
+	const float x[2] = { 1.0f, 0.0f }, y[2] = { 0.0f, 1.0f };
+	float turn_x = bend_along(&d, x, d.at), turn_y = bend_along(&d, y, d.at);
+	gw_vec3 turn = gw_plus(gw_times(d.t, turn_x), gw_times(d.b, turn_y));
+	float below = 0.5f * bend_along(&d, d.at, d.at) - d.at[2];
+	gw_vec3 move = gw_plus(gw_times(place->way, on), gw_times(d.n, below));
+	found.at = gw_plus(found.at, gw_times(move, 1.0f / leaf));
+	found.normal = gw_unit(gw_minus(found.normal, turn));
+	return found;
 }
 
 static facet_points sum_points(const gw_hit_light *h, uint32_t facet, gw_vec3 at)
@@ -106,26 +163,27 @@ static bool lies_on(const gw_hit_light *h, size_t nearest, float distance)
 }
 
 /* What a place reflects beyond its facet, pi times radiance, 3; nothing where that has two sides.
- * at: in grid coordinates. */
-static void find_beyond(const gw_hit_light *h, uint32_t facet, gw_vec3 at, double *radiosity)
+ */
+static void find_beyond(const gw_hit_light *h, uint32_t facet, const gw_hit_place *place,
+						double *radiosity)
 {
 	const float *rho = (const float *)h->albedo.bytes + 4 * (size_t)facet;
 	const float *has = (const float *)h->direct.bytes + 4 * (size_t)facet;
 	facet_points sum = { .whole = 0.0 };
 	radiosity[0] = radiosity[1] = radiosity[2] = 0.0;
 	if (rho[3] < 1.0f) /* else lit from both sides */
-		sum = sum_points(h, facet, at);
+		sum = sum_points(h, facet, place->at);
 	if (!(sum.whole > 0.0) || !lies_on(h, sum.nearest, sqrtf(sum.squared)))
 		return;
-	double light = received(h, at, normal_at(h, sum.nearest, at)) / sum.whole;
+	double light = received(h, surface_at(h, sum.nearest, place)) / sum.whole;
 	for (size_t c = 0; c < 3; c++)
 		radiosity[c] = (double)rho[c] * (sum.direct[c] * light - (double)has[c]);
 }
 
-double gw_hit_light_beyond_facet(const gw_hit_light *h, uint32_t facet, gw_vec3 at)
+double gw_hit_light_beyond_facet(const gw_hit_light *h, uint32_t facet, const gw_hit_place *place)
 {
 	double more[3];
-	find_beyond(h, facet, at, more);
+	find_beyond(h, facet, place, more);
 	const float radiosity[3] = { (float)more[0], (float)more[1], (float)more[2] };
 	return gw_luminance(radiosity) / M_PI;
 }
@@ -139,13 +197,14 @@ static bool lies_in(const gw_hit_light *h, uint32_t facet, uint32_t surfel)
 	return false;
 }
 
-double gw_hit_light_beyond_point(const gw_hit_light *h, uint32_t facet, uint32_t surfel, gw_vec3 at)
+double gw_hit_light_beyond_point(const gw_hit_light *h, uint32_t facet, uint32_t surfel,
+								 const gw_hit_place *place)
 {
 	const gw_surfels *s = h->task.surfels;
 	if (surfel == GW_NONE || s->two_sided[surfel] || !lies_in(h, facet, surfel))
 		return 0.0;
-	double own = received(h, place_of(h, surfel), gw_xyz(normal_of(s, surfel)));
-	double there = received(h, at, normal_at(h, surfel, at));
+	double own = received(h, own_place(h, surfel));
+	double there = received(h, surface_at(h, surfel, place));
 	const float *rho = s->albedo + 3 * (size_t)surfel, *e = h->task.direct + 4 * (size_t)surfel;
 	const float sent[3] = { rho[0] * e[0], rho[1] * e[1], rho[2] * e[2] };
 	return own > 0.0 ? (there / own - 1.0) * gw_luminance(sent) / M_PI : 0.0;
@@ -174,7 +233,8 @@ static void add_some(void *user, size_t first, size_t last, uint32_t worker)
 				continue;
 			gw_vec3 way = gw_record_ray(from, normal, k, r->rays, r->seed);
 			gw_vec3 off = gw_times(way, fabsf(r->distance[i * r->rays + k]));
-			find_beyond(a->light, facet, gw_plus(from, off), radiosity);
+			const gw_hit_place place = { gw_plus(from, off), way };
+			find_beyond(a->light, facet, &place, radiosity);
 			for (size_t c = 0; c < 3; c++)
 				a->irradiance[4 * i + c] += (float)(radiosity[c] / r->rays);
 		}

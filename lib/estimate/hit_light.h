@@ -37,15 +37,22 @@ typedef struct gw_hit_light {
 gw_status gw_hit_light_open(const gw_hit_light_task *task, gw_hit_light *light, gw_error *error);
 void gw_hit_light_close(gw_hit_light *light); /* an empty one is fine */
 
+/* A place that a ray meets. */
+typedef struct gw_hit_place {
+	gw_vec3 at;  /* leaf cells from the cube's corner */
+	gw_vec3 way; /* the ray's direction, unit */
+} gw_hit_place;
+
 /*
  * The light of a place beyond the facet and beyond points whose discs it lies on, as luminance of
  * radiance.
- *   at       leaf cells from the cube's corner
+ *   place    on a plane or a disc; where the surface nearby is bent, that is where the ray meets it
  *   surfel   GW_NONE, or a point: 0 of those that do not lie in the facet
  */
-double gw_hit_light_beyond_facet(const gw_hit_light *light, uint32_t facet, gw_vec3 at);
+double gw_hit_light_beyond_facet(const gw_hit_light *light, uint32_t facet,
+								 const gw_hit_place *place);
 double gw_hit_light_beyond_point(const gw_hit_light *light, uint32_t facet, uint32_t surfel,
-								 gw_vec3 at);
+								 const gw_hit_place *place);
 
 /* A gather of some places: what their rays meet, and how far away. */
 typedef struct gw_hit_light_rays {

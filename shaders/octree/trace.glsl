@@ -11,6 +11,35 @@
 /* Whether the tree holds anything: mostly it does not, and costs nothing. */
 CONSTANT(4, uint, has_discs, 0u);
 
+#ifdef TRACE_OPACITY
+
+/*
+ * The facet whose light a ray finds that has met another one at a place. Planes reach beyond their
+ * cells, so that a ray that comes flat meets that of a cell before the one where it gets to the
+ * surface; were its light taken, all light would lie half a cell nearer than it does. So it is that
+ * of the cell around the place, if surface that faces alike passes near the place there.
+ */
+uint facet_around(uint met, vec3 at)
+{
+	uint leaf = leaf_around(at), found = met;
+	if (leaf == GW_NONE || leaf == met >> 1 || is_foliage(met))
+		return met;
+	vec3 normal = texelFetch(facet_plane, int(met)).xyz, off = at - (floor(at) + 0.5f);
+	float nearest = GW_NOISE_DEPTH;
+	for (uint slot = 2u * leaf; slot < 2u * leaf + 2u; slot++) {
+		vec4 plane = texelFetch(facet_plane, int(slot));
+		float height = abs(dot(plane.xyz, off) - plane.w);
+		if (dot(plane.xyz, normal) <= GW_LIKE_COSINE || height >= nearest || is_foliage(slot) ||
+			texelFetch(facet_centre, int(slot)).w <= 0.0f)
+			continue;
+		nearest = height;
+		found = slot;
+	}
+	return found;
+}
+
+#endif
+
 /* The nearest facet that the ray meets, or GW_NONE. Where both have the surface that is hit, the
  * octree's is the finer one. */
 Hit trace(IN(Ray) ray)
@@ -25,6 +54,10 @@ Hit trace(IN(Ray) ray)
 		hit.facet = disc.facet;
 		hit.t = disc.t;
 	}
+#ifdef TRACE_OPACITY
+	else
+		hit.facet = facet_around(hit.facet, ray.origin + ray.direction * hit.t);
+#endif
 	hit.passed_back_face = hit.passed_back_face || disc.nearest_back_face < hit.t;
 	return hit;
 }

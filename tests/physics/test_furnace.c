@@ -521,7 +521,10 @@ static void ceiling_above_a_plate(void **state)
 
 #define RINGS 200
 #define GAP_POINTS 2000 /* of each plate */
-#define GAP_MIDDLE 3.0  /* what is looked at: points so near to the axis */
+#define GAP_RADIUS 10.0
+#define GAP_ALBEDO 0.9
+#define GAP_WIDE 4.0
+#define GAP_MIDDLE 3.0 /* what is looked at: points so near to the axis */
 
 /*
  * Two discs, one above the other, the lower one emits 1: mean radiance of the middle of the upper
@@ -566,44 +569,78 @@ static void add_disc(scene *s, double radius, double z, float rho)
 	}
 }
 
-/*
- * A gap of three spacings is open at its rim: light gets out of it. 0.5 % is what the furnaces may
- * be off, and where the plates end is known to the distance between points.
- */
-static void gap_of_three_spacings(void **state)
+static double spacing_of_discs(void)
 {
-	const double radius = 10.0, rho = 0.9, spacing = radius * sqrt(SCENE_PI / GAP_POINTS);
+	return GAP_RADIUS * sqrt(SCENE_PI / GAP_POINTS);
+}
+
+/* Bakes two discs of albedo 0.9, that far apart, of which the lower one glows; the mean radiance of
+ * the middle of the upper one. */
+static double bake_in_gap(double gap)
+{
+	const float rho = (float)GAP_ALBEDO;
 	scene s = { 0 };
-	(void)state;
-	add_disc(&s, radius, 0.0, (float)rho);
+	add_disc(&s, GAP_RADIUS, 0.0, rho);
 	scene_emit(&s, 0, (float[3]){ 1, 1, 1 });
-	add_disc(&s, radius, 3.0 * spacing, (float)rho);
+	add_disc(&s, GAP_RADIUS, gap, rho);
 	gw_points points = scene_points(&s);
 	gw_bake_options options = options_of(GW_METHOD_RAYS, GW_BOUNCES_AUTO);
 	gw_bake_result *result = scene_bake(&points, NULL, 0, &options);
-	double sum = 0.0, n = 0.0, known = above_glowing_plate(rho, radius, 3.0 * spacing);
+	double sum = 0.0, n = 0.0;
 	for (size_t i = GAP_POINTS; i < points.count; i++) {
 		const double *p = points.position + 3 * i;
 		bool counts = p[0] * p[0] + p[1] * p[1] < GAP_MIDDLE * GAP_MIDDLE;
 		sum += counts ? (double)result->radiance[3 * i] : 0.0;
 		n += counts;
 	}
-	double wider = above_glowing_plate(rho, radius + spacing, 3.0 * spacing);
-	assert_mean("in the gap", sum / n, known, 0.005 + wider / known - 1.0);
 	gw_bake_result_destroy(&result);
 	scene_clear(&s);
+	return sum / n;
+}
+
+/*
+ * A gap of three spacings is open at its rim: light gets out of it. 0.5 % is what the furnaces may
+ * be off, and where the plates end is known to the distance between points.
+ */
+static void gap_of_three_spacings(void **state)
+{
+	const double spacing = spacing_of_discs(), gap = 3.0 * spacing;
+	(void)state;
+	double known = above_glowing_plate(GAP_ALBEDO, GAP_RADIUS, gap);
+	double wider = above_glowing_plate(GAP_ALBEDO, GAP_RADIUS + spacing, gap);
+	assert_mean("in the gap", bake_in_gap(gap), known, 0.005 + wider / known - 1.0);
+}
+
+/*
+ * Rays from the middle come flat to the surface near the rim, where light falls off. It is that of
+ * the place where they meet it, as bright as the closed form says, to what the furnaces may be off:
+ * found in a cell before that, as planes reach beyond theirs, it was 2.6 % too much.
+ */
+static void flat_rays_find_the_light_of_their_place(void **state)
+{
+	const double gap = GAP_WIDE * spacing_of_discs();
+	(void)state;
+	double known = above_glowing_plate(GAP_ALBEDO, GAP_RADIUS, gap);
+	assert_mean("in a wide gap", bake_in_gap(gap), known, 0.005);
 }
 
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(furnace_by_rays),           cmocka_unit_test(furnace_by_cones),
-		cmocka_unit_test(furnace_until_tolerance),   cmocka_unit_test(errors_below_the_tolerance),
-		cmocka_unit_test(few_points_that_glow),      cmocka_unit_test(two_thousand_bounces),
-		cmocka_unit_test(integrating_sphere),        cmocka_unit_test(closed_cube),
-		cmocka_unit_test(white_rooms_of_few_points), cmocka_unit_test(thin_wall_keeps_light_in),
-		cmocka_unit_test(error_is_estimated),        cmocka_unit_test(ceiling_above_a_plate),
+		cmocka_unit_test(furnace_by_rays),
+		cmocka_unit_test(furnace_by_cones),
+		cmocka_unit_test(furnace_until_tolerance),
+		cmocka_unit_test(errors_below_the_tolerance),
+		cmocka_unit_test(few_points_that_glow),
+		cmocka_unit_test(two_thousand_bounces),
+		cmocka_unit_test(integrating_sphere),
+		cmocka_unit_test(closed_cube),
+		cmocka_unit_test(white_rooms_of_few_points),
+		cmocka_unit_test(thin_wall_keeps_light_in),
+		cmocka_unit_test(error_is_estimated),
+		cmocka_unit_test(ceiling_above_a_plate),
 		cmocka_unit_test(gap_of_three_spacings),
+		cmocka_unit_test(flat_rays_find_the_light_of_their_place),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -166,10 +166,10 @@ static void measure_furnace(torture_case *c, int variant)
  * one variable, solved by reflecting until nothing changes. Gives the radiance that the upper disc
  * sends out, as a mean over r < 3.
  */
-static double upper_plate(const double rho[2], double radius)
+static double upper_plate(const double rho[2])
 {
 	static double kernel[RINGS][RINGS];
-	double lower[RINGS], upper[RINGS], step = radius / RINGS, sum = 0, area = 0;
+	double lower[RINGS], upper[RINGS], step = PLATE_RADIUS / RINGS, sum = 0, area = 0;
 	for (int i = 0; i < RINGS; i++) {
 		double r = (i + 0.5) * step;
 		for (int k = 0; k < RINGS; k++) {
@@ -202,16 +202,7 @@ static double upper_plate(const double rho[2], double radius)
 static double cones_bar(const double rho[2], bool turned)
 {
 	double endless = rho[1] / (1 - rho[0] * rho[1]);
-	return turned ? fmax(5, 100 * (endless / upper_plate(rho, PLATE_RADIUS) - 1)) : 5;
-}
-
-/* What rays may be off, in percent: as in a furnace, and where the plates end is known to the
- * distance between points, of which there are that many. */
-static double rays_bar(const double rho[2], size_t points)
-{
-	double spacing = PLATE_RADIUS * sqrt(2 * PI / (double)points);
-	double known = upper_plate(rho, PLATE_RADIUS);
-	return 0.5 + 100 * (upper_plate(rho, PLATE_RADIUS + spacing) / known - 1);
+	return turned ? fmax(5, 100 * (endless / upper_plate(rho) - 1)) : 5;
 }
 
 /* Turns SHEETS, squares of side 2, into the discs. */
@@ -256,8 +247,8 @@ static void measure_slab(torture_case *c, int variant)
 			sum += counted ? lit.radiance[3 * i + 1] : 0;
 			n += counted;
 		}
-		double off = 100 * (sum / n / upper_plate(rho, PLATE_RADIUS) - 1);
-		double bar = !cones ? rays_bar(rho, cloud.count) : off > 0 ? cones_bar(rho, turned) : 5;
+		double off = 100 * (sum / n / upper_plate(rho) - 1);
+		double bar = !cones ? 0.5 : off > 0 ? cones_bar(rho, turned) : 5; /* rays as in a furnace */
 		case_measure(c, cones ? "slab/cones" : "slab/rays", off, bar,
 					 "plates of albedo %g and %g, %s%s (stated %.2g %%)", rho[0], rho[1],
 					 cones ? "cones" : "rays", turned ? ", turned" : "", 100 * report.error);
