@@ -75,10 +75,27 @@ static size_t find_key(const gw_stray_cells *cells, uint64_t key)
 	return gw_lower_bound(cells->key, cells->count, key);
 }
 
-/* The j-th of the cells around the one at a place, itself for j = 13, all `coarser` levels coarser
- * than these: its cells; none beyond the bounds. */
-static void find_beside(const gw_stray_cells *cells, const uint32_t place[3], int coarser, int j,
-						size_t range[2])
+/* The same, from a cell that is likely near it, in steps twice as far each; there are cells. */
+static size_t find_key_near(const gw_stray_cells *cells, size_t cell, uint64_t key)
+{
+	size_t first = cell < cells->count ? cell : cells->count - 1, last = first, step = 1;
+	while (first > 0 && cells->key[first] >= key) {
+		last = first;
+		first = first > step ? first - step : 0;
+		step *= 2;
+	}
+	while (last < cells->count && cells->key[last] < key) {
+		first = last;
+		last = cells->count - last > step ? last + step : cells->count;
+		step *= 2;
+	}
+	return first + gw_lower_bound(cells->key + first, last - first, key);
+}
+
+/* The j-th of the cells around one at a place, itself for j = 13, all `coarser` levels coarser than
+ * these: its cells; none beyond the bounds. */
+static void find_beside(const gw_stray_cells *cells, size_t cell, const uint32_t place[3],
+						int coarser, int j, size_t range[2])
 {
 	const int64_t last = (INT64_C(1) << (cells->level - coarser)) - 1;
 	const int64_t step[3] = { j % 3 - 1, j / 3 % 3 - 1, j / 9 - 1 };
@@ -90,9 +107,9 @@ static void find_beside(const gw_stray_cells *cells, const uint32_t place[3], in
 		at[k] = (uint32_t)(place[k] + step[k]);
 	}
 	uint64_t other = gw_morton_encode(at[0], at[1], at[2]);
-	range[0] = find_key(cells, other << 3 * coarser);
+	range[0] = find_key_near(cells, cell, other << 3 * coarser);
 	range[1] = coarser == 0 ? range[0] + (range[0] < cells->count && cells->key[range[0]] == other)
-							: find_key(cells, (other + 1) << 3 * coarser);
+							: find_key_near(cells, range[0], (other + 1) << 3 * coarser);
 }
 
 /* The cells in those around a cell; returns how many surfels they hold. */
@@ -103,7 +120,7 @@ static size_t find_around(const gw_stray_cells *cells, size_t cell, int coarser,
 	uint32_t place[3];
 	gw_morton_decode(cells->key[cell] >> 3 * coarser, place);
 	for (int j = 0; j < AROUND; j++) {
-		find_beside(cells, place, coarser, j, range[j]);
+		find_beside(cells, cell, place, coarser, j, range[j]);
 		surfels += cells->first[range[j][1]] - cells->first[range[j][0]];
 	}
 	return surfels;
@@ -120,7 +137,7 @@ bool gw_stray_cells_few_around(const gw_stray_cells *cells, size_t cell, size_t 
 	gw_morton_decode(cells->key[cell], place);
 	for (int j = 0; j < AROUND - 1 && surfels <= few; j++) {
 		int off = to_beside[j / 2];
-		find_beside(cells, place, 0, AROUND / 2 + (j % 2 ? -off : off), range);
+		find_beside(cells, cell, place, 0, AROUND / 2 + (j % 2 ? -off : off), range);
 		surfels += cells->first[range[1]] - cells->first[range[0]];
 	}
 	return surfels <= few;

@@ -403,15 +403,23 @@ static bool is_beside_line(const layer *l, double slab)
 		   off * off > 4 * least / l->count;
 }
 
-/* How many neighbours lie in a plane; 0 where the surfel is on no surface with them. */
+/* How many neighbours lie in a plane. */
 static int count_in_plane(const surrounding *around, const double n[3])
+{
+	int count = 0;
+	for (int j = 0; j < around->count; j++)
+		count += fabs(dot(around->at[j], n)) <= around->slab;
+	return count;
+}
+
+/* Is the surfel on a surface with those neighbours? */
+static bool is_with_them(const surrounding *around, const double n[3])
 {
 	layer l;
 	take_layer(around, n, &l);
-	if (l.count < IN_PLANE || is_beside_line(&l, around->slab))
-		return 0;
-	bool with_them = is_among(&l) || (l.count >= MANY_IN_PLANE && passes_surfel(&l, around->slab));
-	return with_them ? l.count : 0;
+	if (is_beside_line(&l, around->slab))
+		return false;
+	return (l.count >= MANY_IN_PLANE && passes_surfel(&l, around->slab)) || is_among(&l);
 }
 
 /* Does a candidate lie in a plane with many of its neighbours? */
@@ -426,7 +434,7 @@ static void find_plane(stray_step *step, size_t candidate)
 			if (!normal_through(around.at[a], around.at[b], n))
 				continue;
 			int count = count_in_plane(&around, n);
-			if (count <= best)
+			if (count <= best || !is_with_them(&around, n))
 				continue;
 			best = count;
 			memcpy(plane, n, sizeof n);
