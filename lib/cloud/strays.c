@@ -417,7 +417,7 @@ static bool is_with_them(const surrounding *around, const double n[3])
 {
 	layer l;
 	take_layer(around, n, &l);
-	if (is_beside_line(&l, around->slab))
+	if (l.count < IN_PLANE || is_beside_line(&l, around->slab))
 		return false;
 	return (l.count >= MANY_IN_PLANE && passes_surfel(&l, around->slab)) || is_among(&l);
 }
