@@ -49,7 +49,8 @@ static gw_status find_gap_error(gw_lighting *lighting, const gw_estimate_task *e
 									 .lights = lighting->lights,
 									 .light_count = estimate->light_count,
 									 .limit = estimate->limit,
-									 .options = &s->options };
+									 .options = &s->options,
+									 .discs = estimate->discs };
 	return gw_gap_error(&task, &s->report->gaps, &s->report->error, error);
 }
 
@@ -58,6 +59,7 @@ gw_status gw_lighting_estimate(gw_lighting *lighting, gw_error *error)
 	gw_scene *s = lighting->scene;
 	const gw_bake_options *o = &s->options;
 	float *direct = NULL, *turned = NULL;
+	gw_check_discs discs = { 0 };
 	gw_status status = gw_lighting_download_direct(lighting, &direct, error);
 	if (status == GW_OK && lighting->surfel_turned.handle != VK_NULL_HANDLE)
 		status = gw_lighting_download(lighting, &lighting->surfel_turned, &turned, error);
@@ -92,12 +94,14 @@ gw_status gw_lighting_estimate(gw_lighting *lighting, gw_error *error)
 			.asked = s->region.asked,
 			.seen = s->space.scanners > 0,
 			.closed = gw_scene_closed_space(s),
-			.hits = &s->check_points
+			.hits = &s->check_points,
+			.discs = &discs
 		};
 		status = gw_estimate_error(&task, &s->report->error, error);
 		if (status == GW_OK && lighting->gap)
 			status = find_gap_error(lighting, &task, error);
 	}
+	gw_check_discs_clear(&discs);
 	free(turned);
 	free(direct);
 	return status;

@@ -247,7 +247,8 @@ gw_status gw_check_discs_open(gw_gpu *gpu, const gw_octree *octree, const gw_sur
 {
 	gw_view disc = { 0 }, clip = { 0 };
 	uint64_t bytes = 16 * (uint64_t)s->count;
-	*discs = (gw_check_discs){ 0 };
+	if (discs->count > 0)
+		return GW_OK;
 	gw_status status = gw_view_open(gpu, &octree->surfel_disc, bytes, &disc, error);
 	if (status == GW_OK)
 		status = gw_view_open(gpu, &octree->surfel_clip, bytes, &clip, error);

@@ -28,8 +28,9 @@ typedef struct gw_check_discs {
 } gw_check_discs;
 
 /*
- * Makes the discs of surfels, of which the octree has the cuts.
- *   discs   on success to be cleared by the caller; on failure it is empty
+ * Makes the discs of surfels, of which the octree has the cuts, unless they are made already.
+ *   discs   empty, or from an earlier call with the same surfels and octree; on success to be
+ *           cleared by the caller; on failure it is empty
  */
 gw_status gw_check_discs_open(gw_gpu *gpu, const gw_octree *octree, const gw_surfels *surfels,
 							  gw_check_discs *discs, gw_error *error);

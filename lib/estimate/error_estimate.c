@@ -553,13 +553,12 @@ static gw_status check_geometry(const gw_estimate_task *task, const estimate *e,
 	if (task->records && !light)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu points", task->surfels->count);
 	bool shadows = task->options->shadows != GW_SHADOWS_NONE;
-	gw_check_discs discs = { 0 };
 	gw_status status =
-		gw_check_discs_open(task->passes->gpu, task->octree, task->surfels, &discs, error);
+		gw_check_discs_open(task->passes->gpu, task->octree, task->surfels, task->discs, error);
 	const gw_geometry_task check = { .gpu = task->passes->gpu,
 									 .octree = task->octree,
 									 .surfels = task->surfels,
-									 .discs = &discs,
+									 .discs = task->discs,
 									 .counts = e->counts,
 									 .seed = task->seed,
 									 .threads = task->threads,
@@ -581,7 +580,6 @@ static gw_status check_geometry(const gw_estimate_task *task, const estimate *e,
 		status = gw_geometry_error(&check, &rms, error);
 	if (status == GW_OK)
 		status = check_sides(&check, task, mean, result, error);
-	gw_check_discs_clear(&discs);
 	free(light);
 	result->geometry = rms / mean;
 	return status;

@@ -26,6 +26,7 @@
 #define ERROR_ESTIMATE_H
 
 #include "light/gather_rays.h"
+#include "estimate/check_discs.h"
 #include "estimate/check_point_hits.h"
 #include "light/read_back.h"
 #include "surfels/scanned_space.h"
@@ -61,6 +62,7 @@ typedef struct gw_estimate_task {
 	uint32_t limit;                 /* reflections, or GW_BOUNCES_AUTO */
 	double remaining;               /* share of the light that further ones would add */
 	gw_check_point_hits *hits;      /* what is known of what points see; theirs in the end */
+	gw_check_discs *discs;          /* of the surfels, made when they are needed */
 } gw_estimate_task;
 
 /* Rays of each of the two gathers of a point, where a record has so many. */

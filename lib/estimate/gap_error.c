@@ -5,7 +5,6 @@
 
 #include "base/luminance.h"
 #include "base/memory.h"
-#include "estimate/check_discs.h"
 #include "estimate/check_light.h"
 #include "light/direct_light.h"
 
@@ -296,19 +295,17 @@ static void follow_lamp(const work *w, const gw_check_discs *discs, const gw_lam
 static gw_status follow_lamps(work *w, gw_error *error)
 {
 	const gw_gap_error_task *t = w->task;
-	gw_check_discs discs;
 	double sent = 0.0, lost = 0.0;
 	if (!(w->of_lamps > 0.0) || !t->direct)
 		return GW_OK;
-	GW_TRY(gw_check_discs_open(t->on.passes->gpu, t->on.octree, t->surfels, &discs, error));
+	GW_TRY(gw_check_discs_open(t->on.passes->gpu, t->on.octree, t->surfels, t->discs, error));
 	for (size_t i = 0; i < t->light_count; i++) {
 		if (!gw_light_shines(&t->lights[i]))
 			continue;
 		gw_lamp lamp = gw_lamp_of(&t->lights[i], t->on.octree, t->surfels, t->options);
 		if (lamp.push.type != GW_PUSH_SUN)
-			follow_lamp(w, &discs, &lamp, &sent, &lost);
+			follow_lamp(w, t->discs, &lamp, &sent, &lost);
 	}
-	gw_check_discs_clear(&discs);
 	w->lost = sent > 0.0 ? fmin(lost / sent, (double)SHARE_MOST) : 0.0;
 	return GW_OK;
 }

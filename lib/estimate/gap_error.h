@@ -22,6 +22,7 @@
 #ifndef GAP_ERROR_H
 #define GAP_ERROR_H
 
+#include "estimate/check_discs.h"
 #include "light/gap_light.h"
 #include "light/read_back.h"
 
@@ -38,6 +39,7 @@ typedef struct gw_gap_error_task {
 	size_t light_count;
 	uint32_t limit; /* reflections, or GW_BOUNCES_AUTO */
 	const gw_bake_options *options;
+	gw_check_discs *discs; /* of the surfels, made when they are needed */
 } gw_gap_error_task;
 
 /*
