@@ -32,18 +32,6 @@
 typedef float float_lanes __attribute__((vector_size(16)));
 typedef int32_t int_lanes __attribute__((vector_size(16)));
 
-struct gw_check_disc {
-	gw_vec3 place;
-	float small; /* radius, squared */
-	gw_vec3 normal;
-	float large;     /* likewise */
-	float cut[2][4]; /* direction in the disc's plane, and distance from the middle */
-	uint32_t surfel;
-	uint32_t two_sided;
-	float transparency;
-	float spacing; /* metres */
-};
-
 /* Four boxes, and what is in each: a node, or IS_LEAF, discs - 1 at bit 28, and the first. */
 struct gw_check_node {
 	float_lanes low[3], high[3];
@@ -177,31 +165,14 @@ static box add_node(building *b, size_t first, size_t last, uint32_t *number)
 	return all;
 }
 
-static gw_check_disc disc_of(const gw_surfels *s, size_t i, const float *disc, const float *clip,
-							 float cell)
+/* Nodes of the tree of so many discs. */
+static size_t count_nodes(size_t count)
 {
-	float tangent[3], bitangent[3];
-	const float row[2][3] = { { disc[2], disc[3], clip[0] }, { clip[1], clip[2], clip[3] } };
-	float small = SMALL * s->radius[i], large = LARGE * s->radius[i];
-	gw_check_disc d = { .place = { s->position[3 * i], s->position[3 * i + 1],
-								   s->position[3 * i + 2] },
-						.small = small * small,
-						.normal = { s->normal[3 * i], s->normal[3 * i + 1], s->normal[3 * i + 2] },
-						.large = large * large,
-						.surfel = (uint32_t)i,
-						.two_sided = s->two_sided[i],
-						.spacing = sqrtf(s->area[i]),
-						.transparency = s->transparency ? s->transparency[i] : 0.0f };
-	gw_tangent_frame(s->normal + 3 * i, tangent, bitangent);
-	for (int c = 0; c < 2; c++) {
-		gw_vec3 v =
-			gw_plus(gw_times(gw_xyz(tangent), row[c][0]), gw_times(gw_xyz(bitangent), row[c][1]));
-		d.cut[c][0] = v.x;
-		d.cut[c][1] = v.y;
-		d.cut[c][2] = v.z;
-		d.cut[c][3] = row[c][2] * cell + CUT_OVERLAP * s->radius[i];
-	}
-	return d;
+	if (count <= LEAF_DISCS)
+		return 0;
+	size_t low = count / 2, high = count - low;
+	return 1 + count_nodes(low / 2) + count_nodes(low - low / 2) + count_nodes(high / 2) +
+		   count_nodes(high - high / 2);
 }
 
 static void list_places(const gw_surfels *s, place *p)
@@ -212,32 +183,22 @@ static void list_places(const gw_surfels *s, place *p)
 	}
 }
 
-/*
- *   disc, clip   4 a surfel: what gw_octree.surfel_disc and .surfel_clip hold; of them only the
- *                cuts are taken
- *   cell         metres, the unit of the cuts' distances
- */
-static gw_status make_discs(const gw_surfels *s, const float *disc, const float *clip, float cell,
-							gw_check_discs *discs, gw_error *error)
+static gw_status make_tree(gw_check_discs *discs, gw_error *error)
 {
+	const gw_surfels *s = discs->surfels;
 	building b = { .surfels = s, .place = gw_allocate_array(s->count, sizeof *b.place) };
-	size_t most = s->count / 2 + 2;
-	*discs = (gw_check_discs){ .count = s->count, .sheet = s->transparency ? cell : 0.0f };
-	discs->disc = gw_allocate_array(s->count, sizeof *discs->disc);
-	discs->node = b.node = gw_allocate_array(most, sizeof *b.node);
-	if (!b.place || !discs->disc || !b.node || s->count > 0x0fffffffu) {
+	discs->surfel = gw_allocate_array(s->count, sizeof *discs->surfel);
+	discs->node = b.node = gw_allocate_array(count_nodes(s->count), sizeof *b.node);
+	if (!b.place || !discs->surfel || !b.node || s->count > 0x0fffffffu) {
 		free(b.place);
-		gw_check_discs_clear(discs);
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the discs of %zu points", s->count);
 	}
 	list_places(s, b.place);
 	uint32_t root;
 	add_node(&b, 0, s->count, &root);
 	discs->nodes = b.nodes;
-	for (size_t i = 0; i < s->count; i++) {
-		size_t surfel = b.place[i].surfel;
-		discs->disc[i] = disc_of(s, surfel, disc + 4 * surfel, clip + 4 * surfel, cell);
-	}
+	for (size_t i = 0; i < s->count; i++)
+		discs->surfel[i] = b.place[i].surfel;
 	free(b.place);
 	return GW_OK;
 }
@@ -245,23 +206,28 @@ static gw_status make_discs(const gw_surfels *s, const float *disc, const float 
 gw_status gw_check_discs_open(gw_gpu *gpu, const gw_octree *octree, const gw_surfels *s,
 							  gw_check_discs *discs, gw_error *error)
 {
-	gw_view disc = { 0 }, clip = { 0 };
 	uint64_t bytes = 16 * (uint64_t)s->count;
 	if (discs->count > 0)
 		return GW_OK;
-	gw_status status = gw_view_open(gpu, &octree->surfel_disc, bytes, &disc, error);
+	*discs = (gw_check_discs){ .surfels = s,
+							   .count = s->count,
+							   .cell = octree->leaf_size,
+							   .sheet = s->transparency ? octree->leaf_size : 0.0f };
+	gw_status status = gw_view_open(gpu, &octree->surfel_disc, bytes, &discs->size, error);
 	if (status == GW_OK)
-		status = gw_view_open(gpu, &octree->surfel_clip, bytes, &clip, error);
+		status = gw_view_open(gpu, &octree->surfel_clip, bytes, &discs->clip, error);
 	if (status == GW_OK)
-		status = make_discs(s, disc.bytes, clip.bytes, octree->leaf_size, discs, error);
-	gw_view_close(&disc);
-	gw_view_close(&clip);
+		status = make_tree(discs, error);
+	if (status != GW_OK)
+		gw_check_discs_clear(discs);
 	return status;
 }
 
 void gw_check_discs_clear(gw_check_discs *discs)
 {
-	free(discs->disc);
+	gw_view_close(&discs->size);
+	gw_view_close(&discs->clip);
+	free(discs->surfel);
 	free(discs->node);
 	*discs = (gw_check_discs){ 0 };
 }
@@ -269,68 +235,97 @@ void gw_check_discs_clear(gw_check_discs *discs)
 /* ---------------------------------------------------------------------------------------- rays */
 
 typedef struct walk {
+	const gw_check_discs *discs;
 	const gw_check_ray *ray;
 	float t_small, t_large, nearest_back_face;
 	gw_check_hit hit;
-	/* What the ray has passed: the sheet of a disc, NULL for none, and where. */
-	const gw_check_disc *passed, *disc_small, *disc_large;
+	/* What the ray has passed: the sheet of a surfel, GW_NONE for none, and where. */
+	uint32_t passed;
 	float passed_t, sheet;
 } walk;
 
-static bool is_passed(const walk *w, const gw_check_disc *d, float t)
+static gw_vec3 normal_of(const walk *w, size_t surfel)
 {
-	if (w->passed == NULL)
-		return false;
-	float rise = (t - w->passed_t) * fabsf(gw_dot(w->passed->normal, w->ray->direction));
-	return t <= w->passed_t || (rise < w->sheet && gw_dot(d->normal, w->passed->normal) > ALIKE);
+	return gw_xyz(w->discs->surfels->normal + 3 * surfel);
 }
 
-static bool is_cut_off(const gw_check_disc *d, gw_vec3 at)
+static bool is_passed(const walk *w, gw_vec3 normal, float t)
 {
-	for (int c = 0; c < 2; c++)
-		if (gw_dot(gw_xyz(d->cut[c]), at) > d->cut[c][3])
+	if (w->passed == GW_NONE)
+		return false;
+	gw_vec3 passed = normal_of(w, w->passed);
+	float rise = (t - w->passed_t) * fabsf(gw_dot(passed, w->ray->direction));
+	return t <= w->passed_t || (rise < w->sheet && gw_dot(normal, passed) > ALIKE);
+}
+
+/* Does a cut leave out what lies so far off a disc's middle? */
+static bool is_cut_off(const gw_check_discs *discs, size_t surfel, gw_vec3 at)
+{
+	const gw_surfels *s = discs->surfels;
+	const float *size = (const float *)discs->size.bytes + 4 * surfel,
+				*clip = (const float *)discs->clip.bytes + 4 * surfel;
+	const float cut[2][3] = { { size[2], size[3], clip[0] }, { clip[1], clip[2], clip[3] } };
+	float tangent[3], bitangent[3];
+	gw_tangent_frame(s->normal + 3 * surfel, tangent, bitangent);
+	for (int c = 0; c < 2; c++) {
+		gw_vec3 v =
+			gw_plus(gw_times(gw_xyz(tangent), cut[c][0]), gw_times(gw_xyz(bitangent), cut[c][1]));
+		if (gw_dot(v, at) > cut[c][2] * discs->cell + CUT_OVERLAP * s->radius[surfel])
 			return true;
+	}
 	return false;
 }
 
-static void hit_disc(const gw_check_disc *d, walk *w)
+static float transparency_of(const gw_check_discs *discs, size_t surfel)
+{
+	return discs->surfels->transparency ? discs->surfels->transparency[surfel] : 0.0f;
+}
+
+static float spacing_of(const gw_check_discs *discs, size_t surfel)
+{
+	return sqrtf(discs->surfels->area[surfel]);
+}
+
+static void hit_disc(uint32_t surfel, walk *w)
 {
 	const gw_check_ray *ray = w->ray;
-	float approach = gw_dot(d->normal, ray->direction);
-	gw_vec3 from = gw_minus(ray->origin, d->place);
-	float t = -gw_dot(d->normal, from) / approach;
-	if (!(t > 0.0f && t < w->t_small) || is_passed(w, d, t))
+	const gw_surfels *s = w->discs->surfels;
+	gw_vec3 normal = normal_of(w, surfel);
+	float approach = gw_dot(normal, ray->direction);
+	gw_vec3 from = gw_minus(ray->origin, gw_xyz(s->position + 3 * (size_t)surfel));
+	float height = gw_dot(normal, from), t = -height / approach;
+	if (!(t > 0.0f && t < w->t_small) || is_passed(w, normal, t))
 		return;
 	gw_vec3 at = gw_plus(from, gw_times(ray->direction, t));
-	float squared = gw_dot(at, at);
-	bool own = t < ray->own && fabsf(gw_dot(d->normal, ray->facing)) > ALIKE;
-	bool other = d->transparency > 0.0f && -gw_dot(d->normal, from) >= d->spacing;
-	if (squared > d->large || (own && approach > 0.0f && !other))
+	float small_radius = SMALL * s->radius[surfel], large_radius = LARGE * s->radius[surfel];
+	float squared = gw_dot(at, at), small_squared = small_radius * small_radius;
+	float transparency = transparency_of(w->discs, surfel);
+	bool own = t < ray->own && fabsf(gw_dot(normal, ray->facing)) > ALIKE;
+	bool other = transparency > 0.0f && -height >= spacing_of(w->discs, surfel);
+	if (squared > large_radius * large_radius || (own && approach > 0.0f && !other))
 		return;
-	bool small = squared <= d->small && !is_cut_off(d, at) &&
-				 !(own && ray->both_sides && gw_dot(d->normal, from) < RISE * sqrtf(d->small));
-	if (approach > 0.0f && !ray->both_sides && !d->two_sided && !(d->transparency > 0.0f)) {
+	bool small = squared <= small_squared && !is_cut_off(w->discs, surfel, at) &&
+				 !(own && ray->both_sides && height < RISE * sqrtf(small_squared));
+	if (approach > 0.0f && !ray->both_sides && !s->two_sided[surfel] && !(transparency > 0.0f)) {
 		w->nearest_back_face = small ? gw_smaller(w->nearest_back_face, t) : w->nearest_back_face;
 		return;
 	}
-	t += MIDDLE * squared / sqrtf(d->small);
+	t += MIDDLE * squared / sqrtf(small_squared);
 	if (t < w->t_large) {
 		w->t_large = t;
-		w->hit.large = d->surfel;
-		w->disc_large = d;
+		w->hit.large = surfel;
 	}
 	if (small && t < w->t_small) {
 		w->t_small = t;
-		w->hit.small = d->surfel;
-		w->disc_small = d;
+		w->hit.small = surfel;
 	}
 }
 
-static void hit_leaf(const gw_check_discs *discs, uint32_t leaf, walk *w)
+static void hit_leaf(uint32_t leaf, walk *w)
 {
 	size_t first = leaf & 0x0fffffffu, count = (leaf >> 28 & 7u) + 1;
 	for (size_t i = first; i < first + count; i++)
-		hit_disc(discs->disc + i, w);
+		hit_disc(w->discs->surfel[i], w);
 }
 
 static float inverse_of(float d)
@@ -374,8 +369,9 @@ static uint32_t open_node(const gw_check_node *n, const float origin[3], const f
 }
 
 /* What the ray meets next. */
-static void trace(const gw_check_discs *discs, walk *w)
+static void trace(walk *w)
 {
+	const gw_check_discs *discs = w->discs;
 	const gw_check_ray *ray = w->ray;
 	gw_vec3 d = ray->direction;
 	const float origin[3] = { ray->origin.x, ray->origin.y, ray->origin.z };
@@ -391,7 +387,7 @@ static void trace(const gw_check_discs *discs, walk *w)
 		if (next.t > w->t_small)
 			continue;
 		if (next.number & IS_LEAF)
-			hit_leaf(discs, next.number, w);
+			hit_leaf(next.number, w);
 		else
 			top = open_node(discs->node + next.number, origin, inverse, w->t_small, stack, top);
 	}
@@ -399,33 +395,31 @@ static void trace(const gw_check_discs *discs, walk *w)
 }
 
 /* Lets the ray through discs of one size; returns how much of its light gets to *surfel. */
-static float go_through(const gw_check_discs *discs, walk w, bool large, float until,
-						uint32_t *surfel)
+static float go_through(walk w, bool large, float until, uint32_t *surfel)
 {
 	float through = 1.0f;
 	for (uint32_t sheet = 0; sheet < GW_SHEETS_MOST; sheet++) {
 		*surfel = large ? w.hit.large : w.hit.small;
-		const gw_check_disc *met = large ? w.disc_large : w.disc_small;
-		if (*surfel == GW_NONE || through * met->transparency <= until)
+		if (*surfel == GW_NONE || through * transparency_of(w.discs, *surfel) <= until)
 			break;
-		through *= met->transparency;
-		w.passed = met;
+		through *= transparency_of(w.discs, *surfel);
+		w.passed = *surfel;
 		w.passed_t = large ? w.t_large : w.t_small;
-		w.sheet = gw_larger(discs->sheet, GW_SHEET_SPACINGS * met->spacing);
-		trace(discs, &w);
+		w.sheet = gw_larger(w.discs->sheet, GW_SHEET_SPACINGS * spacing_of(w.discs, *surfel));
+		trace(&w);
 	}
 	return through;
 }
 
 gw_check_hit gw_check_discs_trace(const gw_check_discs *discs, const gw_check_ray *ray, float until)
 {
-	walk w = { .ray = ray };
-	trace(discs, &w);
+	walk w = { .discs = discs, .ray = ray, .passed = GW_NONE };
+	trace(&w);
 	gw_check_hit hit = w.hit;
 	hit.through[0] = hit.through[1] = 1.0f;
 	if (discs->sheet > 0.0f) {
-		hit.through[0] = go_through(discs, w, false, until, &hit.small);
-		hit.through[1] = go_through(discs, w, true, until, &hit.large);
+		hit.through[0] = go_through(w, false, until, &hit.small);
+		hit.through[1] = go_through(w, true, until, &hit.large);
 	}
 	return hit;
 }

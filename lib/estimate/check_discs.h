@@ -17,20 +17,24 @@
 #include <stdbool.h>
 
 typedef struct gw_check_node gw_check_node;
-typedef struct gw_check_disc gw_check_disc;
 
 typedef struct gw_check_discs {
-	size_t count;        /* discs */
-	gw_check_disc *disc; /* count, in the tree's order */
+	const gw_surfels *surfels;
+	size_t count;     /* discs */
+	uint32_t *surfel; /* count, in the tree's order: the disc is that of the surfel */
 	gw_check_node *node;
-	uint32_t nodes; /* 0: the discs are so few that they need none */
-	float sheet;    /* metres: so near at least discs of one sheet lie; 0: all are opaque */
+	uint32_t nodes;     /* 0: the discs are so few that they need none */
+	gw_view size, clip; /* gw_octree.surfel_disc and .surfel_clip, which have the cuts */
+	float cell;         /* metres, the unit of these: width of the octree's leaves */
+	float sheet;        /* metres: so near at least discs of one sheet lie; 0: all are opaque */
 } gw_check_discs;
 
 /*
- * Makes the discs of surfels, of which the octree has the cuts, unless they are made already.
- *   discs   empty, or from an earlier call with the same surfels and octree; on success to be
- *           cleared by the caller; on failure it is empty
+ * Makes the tree of the discs of surfels, of which the octree has the cuts, unless it is made
+ * already.
+ *   octree  and surfels must outlive discs
+ *   discs   empty, or from an earlier call with the same of these; on success to be cleared by the
+ *           caller; on failure it is empty
  */
 gw_status gw_check_discs_open(gw_gpu *gpu, const gw_octree *octree, const gw_surfels *surfels,
 							  gw_check_discs *discs, gw_error *error);
