@@ -26,11 +26,11 @@
 
 /* What the records of one lighting say. */
 typedef struct density_work {
-	double *light;          /* records: luminance of irradiance */
-	double *mass;           /* records */
-	float *most, *factor;   /* records */
-	uint32_t *facet_record; /* GW_WEIGHTS * 2 * leaf_count */
-	float *facet_weight;    /* likewise */
+	double *light;        /* records: luminance of irradiance */
+	double *mass;         /* records */
+	float *most, *factor; /* records */
+	gw_view facet_record; /* uint32_t, GW_WEIGHTS * 2 * leaf_count */
+	gw_view facet_weight; /* float, likewise */
 	size_t records, slots;
 	float least; /* spacing, leaf cells */
 } density_work;
@@ -112,10 +112,10 @@ static bool come_closer(float *spacing, double factor, float least)
 /* Factors between records are interpolated as light is. */
 static void refine_facets(const density_work *w, gw_record_density *density)
 {
-	for (size_t slot = 0; slot < w->slots; slot++) {
+	const uint32_t *record = w->facet_record.bytes;
+	const float *weight = w->facet_weight.bytes;
+	for (size_t slot = 0; slot < w->slots; slot++, record += GW_WEIGHTS, weight += GW_WEIGHTS) {
 		double factor = 0.0;
-		const uint32_t *record = w->facet_record + GW_WEIGHTS * slot;
-		const float *weight = w->facet_weight + GW_WEIGHTS * slot;
 		for (size_t k = 0; k < GW_WEIGHTS && record[k] != GW_NONE; k++)
 			factor += (double)weight[k] * (double)w->factor[record[k]];
 		density->facet_closer[slot] = come_closer(&density->facet_spacing[slot], factor, w->least);
@@ -137,13 +137,11 @@ static gw_status begin(const gw_scene *s, gw_record_density *density, density_wo
 					   gw_error *error)
 {
 	*w = (density_work){ .records = s->records.count, .slots = 2 * (size_t)s->octree.leaf_count };
-	size_t words = GW_WEIGHTS * w->slots;
+	uint64_t bytes = 4 * GW_WEIGHTS * (uint64_t)w->slots;
 	w->light = gw_allocate_zeros(w->records, sizeof *w->light);
 	w->mass = gw_allocate_zeros(w->records, sizeof *w->mass);
 	w->most = gw_allocate_array(w->records, sizeof *w->most);
 	w->factor = gw_allocate_array(w->records, sizeof *w->factor);
-	w->facet_record = gw_allocate_array(words, sizeof *w->facet_record);
-	w->facet_weight = gw_allocate_array(words, sizeof *w->facet_weight);
 	bool first = density->facet_spacing == NULL;
 	if (first) {
 		density->facet_spacing = gw_allocate_array(w->slots, sizeof(float));
@@ -151,19 +149,16 @@ static gw_status begin(const gw_scene *s, gw_record_density *density, density_wo
 		density->facet_closer = gw_allocate_array(w->slots, sizeof(bool));
 		density->surfel_closer = gw_allocate_array(s->surfels.count, sizeof(bool));
 	}
-	if (!w->light || !w->mass || !w->most || !w->factor || !w->facet_record || !w->facet_weight ||
-		!density->facet_spacing || !density->surfel_spacing || !density->facet_closer ||
-		!density->surfel_closer)
+	if (!w->light || !w->mass || !w->most || !w->factor || !density->facet_spacing ||
+		!density->surfel_spacing || !density->facet_closer || !density->surfel_closer)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory to refine %zu records", w->records);
 	float spacing = s->region.facet_spacing ? s->region.spacing : s->records.spacing;
 	for (size_t i = 0; i < w->slots && first; i++)
 		density->facet_spacing[i] = s->region.facet_spacing ? s->region.facet_spacing[i] : spacing;
 	for (size_t i = 0; i < s->surfels.count && first; i++)
 		density->surfel_spacing[i] = spacing;
-	GW_TRY(
-		gw_buffer_download(s->gpu, &s->records.facet_record, 0, w->facet_record, 4 * words, error));
-	return gw_buffer_download(s->gpu, &s->records.facet_weight, 0, w->facet_weight, 4 * words,
-							  error);
+	GW_TRY(gw_view_open(s->gpu, &s->records.facet_record, bytes, &w->facet_record, error));
+	return gw_view_open(s->gpu, &s->records.facet_weight, bytes, &w->facet_weight, error);
 }
 
 gw_status gw_record_density_refine(const gw_lighting *lighting, const gw_density_wish *wish,
@@ -195,8 +190,8 @@ gw_status gw_record_density_refine(const gw_lighting *lighting, const gw_density
 	free(w.mass);
 	free(w.most);
 	free(w.factor);
-	free(w.facet_record);
-	free(w.facet_weight);
+	gw_view_close(&w.facet_record);
+	gw_view_close(&w.facet_weight);
 	return status;
 }
 

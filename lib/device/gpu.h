@@ -99,6 +99,8 @@ typedef struct gw_buffer {
 	uint64_t bytes; /* as asked for */
 	uint64_t allocated;
 	void *mapped; /* where its bytes lie if gw_gpu_shares_memory; else NULL */
+	bool lent;    /* these are somebody else's, and stay as they are */
+	VkFormat format;
 	const char *name;
 } gw_buffer;
 
@@ -165,6 +167,23 @@ typedef struct gw_view {
 gw_status gw_view_open(gw_gpu *gpu, const gw_buffer *buffer, uint64_t bytes, gw_view *view,
 					   gw_error *error);
 void gw_view_close(gw_view *view); /* empties it; an empty one is accepted */
+
+/* The bytes of a texel buffer for the processor to change: where they lie in its memory those
+ * themselves, or a copy that becomes the buffer's if they are lent; elsewhere a copy that goes back
+ * in the end. All zero is an empty edit. */
+typedef struct gw_edit {
+	void *bytes;
+	gw_buffer *buffer;
+	void *copy; /* NULL, or the same as bytes */
+} gw_edit;
+
+/* Opens all of a buffer, which is left alone until the edit is closed. On failure the edit is
+ * empty. */
+gw_status gw_edit_open(gw_gpu *gpu, gw_buffer *buffer, gw_edit *edit, gw_error *error);
+
+/* Empties it; an empty one is accepted.
+ *   changed   false: nothing was written to it */
+gw_status gw_edit_close(gw_gpu *gpu, gw_edit *edit, bool changed, gw_error *error);
 
 /* ------------------------------------------------------------------------------------ 3D images */
 

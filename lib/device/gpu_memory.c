@@ -314,7 +314,10 @@ static gw_status begin_buffer(gw_gpu *gpu, const gw_buffer_description *descript
 							  const void *lent, gw_buffer *buffer, gw_error *error)
 {
 	assert(description->name != NULL);
-	*buffer = (gw_buffer){ .bytes = description->bytes, .name = description->name };
+	*buffer = (gw_buffer){ .bytes = description->bytes,
+						   .lent = lent != NULL,
+						   .format = description->format,
+						   .name = description->name };
 	gw_status status = make_buffer(gpu, description, lent, buffer, error);
 	if (status != GW_OK)
 		gw_buffer_destroy(gpu, buffer);
@@ -492,6 +495,41 @@ void gw_view_close(gw_view *view)
 {
 	free(view->copy);
 	*view = (gw_view){ 0 };
+}
+
+/* In place of what is lent the buffer gets memory of its own. */
+static gw_status own_bytes(gw_gpu *gpu, gw_buffer *buffer, gw_error *error)
+{
+	gw_buffer own;
+	GW_TRY(gw_buffer_create_unset(
+		gpu,
+		&(gw_buffer_description){ GW_BUFFER_TEXEL, buffer->format, buffer->bytes, buffer->name },
+		&own, error));
+	memcpy(own.mapped, buffer->mapped, (size_t)buffer->bytes);
+	gw_buffer_destroy(gpu, buffer);
+	*buffer = own;
+	return GW_OK;
+}
+
+gw_status gw_edit_open(gw_gpu *gpu, gw_buffer *buffer, gw_edit *edit, gw_error *error)
+{
+	*edit = (gw_edit){ 0 };
+	if (buffer->lent)
+		GW_TRY(own_bytes(gpu, buffer, error));
+	gw_view view;
+	GW_TRY(gw_view_open(gpu, buffer, buffer->bytes, &view, error));
+	*edit = (gw_edit){ view.copy ? view.copy : buffer->mapped, buffer, view.copy };
+	return GW_OK;
+}
+
+gw_status gw_edit_close(gw_gpu *gpu, gw_edit *edit, bool changed, gw_error *error)
+{
+	gw_status status = GW_OK;
+	if (edit->copy && changed)
+		status = gw_buffer_upload(gpu, edit->buffer, 0, edit->copy, edit->buffer->bytes, error);
+	free(edit->copy);
+	*edit = (gw_edit){ 0 };
+	return status;
 }
 
 /* -------------------------------------------------------------------------------- images */

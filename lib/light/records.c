@@ -205,17 +205,12 @@ static gw_status list_by_block(const gw_record_context *on, const gw_buffer *fac
 }
 
 /* Centres and planes of both facets of each leaf, and albedos where some face either way. */
-static gw_status fetch_facets(gw_gpu *gpu, const gw_octree *octree, float *const rows[3],
-							  gw_error *error)
+static gw_status view_facets(gw_gpu *gpu, const gw_octree *octree, gw_view view[3], gw_error *error)
 {
 	const gw_buffer *const buffer[3] = { &octree->facet_centre, &octree->facet_plane,
 										 &octree->facet_albedo };
-	for (int i = 0; i < 3; i++) {
-		if (!rows[i])
-			continue;
-		GW_TRY(gw_buffer_download(gpu, buffer[i], 0, rows[i], 32 * (uint64_t)octree->leaf_count,
-								  error));
-	}
+	for (int i = 0; i < (octree->backs ? 3 : 2); i++)
+		GW_TRY(gw_view_open(gpu, buffer[i], 32 * (uint64_t)octree->leaf_count, &view[i], error));
 	return GW_OK;
 }
 
@@ -275,20 +270,12 @@ static gw_status choose_facets(const gw_record_context *on, gw_place_task task, 
 {
 	const gw_octree *octree = on->octree;
 	gw_dart_order order = { 0 };
-	float *rows[3] = { NULL };
-	bool good = true;
+	gw_view view[3] = { 0 };
 	task.slots = 2 * (size_t)octree->leaf_count;
-	for (int i = 0; i < 3; i++) {
-		bool wanted = i < 2 || octree->backs;
-		rows[i] = wanted ? gw_allocate_array(task.slots, 4 * sizeof *rows[i]) : NULL;
-		good = good && (rows[i] || !wanted);
-	}
-	gw_status status =
-		good ? fetch_facets(on->passes->gpu, octree, rows, error)
-			 : gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu facets", task.slots);
-	task.centre = rows[0];
-	task.plane = rows[1];
-	task.albedo = rows[2];
+	gw_status status = view_facets(on->passes->gpu, octree, view, error);
+	task.centre = view[0].bytes;
+	task.plane = view[1].bytes;
+	task.albedo = view[2].bytes;
 	if (status == GW_OK)
 		status = gw_dart_order_make(&task, &order, error);
 	task.order = &order;
@@ -296,7 +283,7 @@ static gw_status choose_facets(const gw_record_context *on, gw_place_task task, 
 		status = choose_spacing(&task, least, on->records, error);
 	gw_dart_order_clear(&order);
 	for (int i = 0; i < 3; i++)
-		free(rows[i]);
+		gw_view_close(&view[i]);
 	return status;
 }
 

@@ -20,8 +20,6 @@ typedef struct parting {
 	const float *place, *facing;  /* of each record, 4 */
 	const float *centre, *plane;  /* of each facet, 4 */
 	const float *surfel, *normal; /* of each surfel, 4 */
-	uint32_t *facet_record;       /* GW_WEIGHTS a facet; NULL till one of them changes */
-	float *facet_weight;
 } parting;
 
 /* What a row is of: its place, and what it looks into to both sides. */
@@ -150,61 +148,44 @@ static size_t find_apart(const parting *p, const uint32_t *record)
 	return slot;
 }
 
-static void part_rows_of_facets(const parting *p, size_t first)
+/* Those from `first` on. */
+static void part_rows_of_facets(const parting *p, size_t first, uint32_t *record, float *weight)
 {
 	for (size_t slot = first; slot < 2 * (size_t)p->octree->leaf_count; slot++) {
-		uint32_t *record = p->facet_record + GW_WEIGHTS * slot;
-		float *weight = p->facet_weight + GW_WEIGHTS * slot;
+		uint32_t *row = record + GW_WEIGHTS * slot;
+		float *row_weight = weight + GW_WEIGHTS * slot;
 		const row_owner of = owner_of_facet(p, slot);
-		uint32_t length = facet_row_length(record);
-		uint32_t kept = part_row(p, &of, record, weight, length);
+		uint32_t length = facet_row_length(row);
+		uint32_t kept = part_row(p, &of, row, row_weight, length);
 		for (uint32_t i = kept; i < length; i++) {
-			record[i] = GW_NONE;
-			weight[i] = 0.0f;
+			row[i] = GW_NONE;
+			row_weight[i] = 0.0f;
 		}
 	}
 }
 
-/* Puts rows into new buffers: nothing may write to those that are lent. */
-static gw_status put_rows(gw_gpu *gpu, const parting *p, gw_records *records, gw_error *error)
-{
-	gw_buffer *const to[2] = { &records->facet_record, &records->facet_weight };
-	const void *const rows[2] = { p->facet_record, p->facet_weight };
-	const VkFormat format[2] = { VK_FORMAT_R32G32B32A32_UINT, VK_FORMAT_R32G32B32A32_SFLOAT };
-	for (int i = 0; i < 2; i++) {
-		gw_buffer made = { 0 };
-		GW_TRY(gw_buffer_create_unset(
-			gpu, &(gw_buffer_description){ GW_BUFFER_TEXEL, format[i], to[i]->bytes, to[i]->name },
-			&made, error));
-		gw_status status = gw_buffer_upload(gpu, &made, 0, rows[i], to[i]->bytes, error);
-		gw_buffer_destroy(gpu, status == GW_OK ? to[i] : &made);
-		if (status != GW_OK)
-			return status;
-		*to[i] = made;
-	}
-	return GW_OK;
-}
-
-static gw_status part_facets(const gw_record_context *on, parting *p, gw_error *error)
+static gw_status part_facets(const gw_record_context *on, const parting *p, gw_error *error)
 {
 	gw_gpu *gpu = on->passes->gpu;
 	gw_records *r = on->records;
-	gw_view record = { 0 };
-	uint64_t bytes = r->facet_record.bytes;
-	GW_TRY(gw_view_open(gpu, &r->facet_record, bytes, &record, error));
-	size_t first = find_apart(p, record.bytes);
-	gw_view_close(&record);
+	gw_view view = { 0 };
+	gw_edit record, weight = { 0 };
+	GW_TRY(gw_view_open(gpu, &r->facet_record, r->facet_record.bytes, &view, error));
+	size_t first = find_apart(p, view.bytes);
+	gw_view_close(&view);
 	if (first == 2 * (size_t)p->octree->leaf_count)
 		return GW_OK;
-	p->facet_record = gw_allocate_array(bytes, 1);
-	p->facet_weight = gw_allocate_array(bytes, 1);
-	if (!p->facet_record || !p->facet_weight)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the records of %u leaves",
-					   p->octree->leaf_count);
-	GW_TRY(gw_buffer_download(gpu, &r->facet_record, 0, p->facet_record, bytes, error));
-	GW_TRY(gw_buffer_download(gpu, &r->facet_weight, 0, p->facet_weight, bytes, error));
-	part_rows_of_facets(p, first);
-	return put_rows(gpu, p, r, error);
+	GW_TRY(gw_edit_open(gpu, &r->facet_record, &record, error));
+	gw_status status = gw_edit_open(gpu, &r->facet_weight, &weight, error);
+	bool opened = status == GW_OK;
+	if (opened)
+		part_rows_of_facets(p, first, record.bytes, weight.bytes);
+	gw_edit *const edit[] = { &record, &weight };
+	for (int i = 0; i < 2; i++) {
+		gw_status closed = gw_edit_close(gpu, edit[i], opened, error);
+		status = status == GW_OK ? closed : status;
+	}
+	return status;
 }
 
 /* ---------------------------------------------------------------------------------------- both */
@@ -265,8 +246,6 @@ gw_status gw_rows_part(const gw_record_context *on, gw_read_back *read_back, gw_
 		read_back->parted = on->records->count;
 	}
 	close_views(&v);
-	free(p.facet_weight);
-	free(p.facet_record);
 	free(p.label);
 	return status;
 }

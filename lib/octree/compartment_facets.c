@@ -14,6 +14,9 @@
 
 #include <stdlib.h>
 
+/* Buffers in which parting writes. */
+#define EDITS 3
+
 /* Facets being parted. */
 typedef struct parting {
 	const gw_surfels *surfels;
@@ -92,55 +95,26 @@ static gw_status part_all(gw_gpu *gpu, parting *p, gw_error *error)
 	return status;
 }
 
-/* What a buffer holds; the caller's, as far as it came. */
-static gw_status fetch(gw_gpu *gpu, const gw_buffer *buffer, float **values, gw_error *error)
-{
-	*values = gw_allocate_array(buffer->bytes, 1);
-	if (!*values)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %s", buffer->name);
-	return gw_buffer_download(gpu, buffer, 0, *values, buffer->bytes, error);
-}
-
-/* Puts values into a new buffer: nothing may write to those that are lent. */
-static gw_status replace(gw_gpu *gpu, VkFormat format, const float *values, gw_buffer *buffer,
-						 gw_error *error)
-{
-	gw_buffer made = { 0 };
-	GW_TRY(gw_buffer_create_unset(
-		gpu, &(gw_buffer_description){ GW_BUFFER_TEXEL, format, buffer->bytes, buffer->name },
-		&made, error));
-	gw_status status = gw_buffer_upload(gpu, &made, 0, values, buffer->bytes, error);
-	gw_buffer_destroy(gpu, status == GW_OK ? buffer : &made);
-	if (status == GW_OK)
-		*buffer = made;
-	return status;
-}
-
-static gw_status put_back(gw_gpu *gpu, const parting *p, gw_octree *octree, gw_error *error)
-{
-	const VkFormat four = VK_FORMAT_R32G32B32A32_SFLOAT;
-	if (p->parted == 0)
-		return GW_OK;
-	GW_TRY(replace(gpu, VK_FORMAT_R32_SFLOAT, p->weight, &octree->fragment_weight, error));
-	GW_TRY(replace(gpu, four, p->centre, &octree->facet_centre, error));
-	return p->emission ? replace(gpu, four, p->emission, &octree->facet_emission, error) : GW_OK;
-}
-
 gw_status gw_compartments_part_facets(gw_gpu *gpu, const gw_surfels *surfels, gw_octree *octree,
 									  gw_error *error)
 {
-	parting p = { .surfels = surfels, .octree = octree };
-	gw_status status = fetch(gpu, &octree->fragment_weight, &p.weight, error);
-	if (status == GW_OK)
-		status = fetch(gpu, &octree->facet_centre, &p.centre, error);
-	if (status == GW_OK && gw_surfels_emit(surfels))
-		status = fetch(gpu, &octree->facet_emission, &p.emission, error);
+	gw_buffer *const buffer[EDITS] = { &octree->fragment_weight, &octree->facet_centre,
+									   &octree->facet_emission };
+	const int edits = gw_surfels_emit(surfels) ? EDITS : EDITS - 1;
+	gw_edit edit[EDITS] = { 0 };
+	gw_status status = GW_OK;
+	for (int i = 0; i < edits && status == GW_OK; i++)
+		status = gw_edit_open(gpu, buffer[i], &edit[i], error);
+	parting p = { .surfels = surfels,
+				  .octree = octree,
+				  .weight = edit[0].bytes,
+				  .centre = edit[1].bytes,
+				  .emission = edit[2].bytes };
 	if (status == GW_OK)
 		status = part_all(gpu, &p, error);
-	if (status == GW_OK)
-		status = put_back(gpu, &p, octree, error);
-	free(p.emission);
-	free(p.centre);
-	free(p.weight);
+	for (int i = 0; i < edits; i++) {
+		gw_status closed = gw_edit_close(gpu, &edit[i], status == GW_OK && p.parted > 0, error);
+		status = status == GW_OK ? closed : status;
+	}
 	return status;
 }

@@ -23,35 +23,31 @@ bool gw_octree_disc_is_large(const gw_octree *octree, const gw_surfels *surfels,
 		   (float)((double)surfels->radius[surfel] / leaf) > GW_DISC_MAX;
 }
 
-static gw_status enter_facets(gw_octree_work *work, uint32_t *first, uint32_t *surfel,
-							  uint32_t *facet, gw_error *error)
+static void enter_facets(size_t leaves, const uint32_t *first, const uint32_t *surfel,
+						 uint32_t *facet)
 {
-	gw_octree *octree = work->octree;
-	size_t leaves = octree->leaf_count, fragments = octree->fragment_count;
-	if (!first || !surfel)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu fragments", fragments);
-	GW_TRY(gw_buffer_download(work->gpu, &octree->leaf_fragment, 0, first,
-							  4 * (uint64_t)(leaves + 1), error));
-	GW_TRY(gw_buffer_download(work->gpu, &octree->fragment_surfel, 0, surfel,
-							  4 * (uint64_t)fragments, error));
 	for (size_t leaf = 0; leaf < leaves; leaf++)
 		for (uint32_t f = first[leaf]; f < first[leaf + 1]; f++) {
 			uint32_t *own = facet + (surfel[f] & GW_FRAGMENT_SURFEL);
 			if ((surfel[f] & GW_FRAGMENT_ROI) == 0 && *own == GW_NONE)
 				*own = (uint32_t)(2 * leaf) + ((surfel[f] & GW_FRAGMENT_FACET) != 0);
 		}
-	return GW_OK;
 }
 
 /* Enters the facets that stand for surfels: those of their first disc fragments. */
 static gw_status find_facets(gw_octree_work *work, uint32_t *facet, gw_error *error)
 {
 	const gw_octree *octree = work->octree;
-	uint32_t *first = gw_allocate_array((size_t)octree->leaf_count + 1, sizeof *first);
-	uint32_t *surfel = gw_allocate_array(octree->fragment_count, sizeof *surfel);
-	gw_status status = enter_facets(work, first, surfel, facet, error);
-	free(first);
-	free(surfel);
+	gw_view first = { 0 }, surfel = { 0 };
+	gw_status status = gw_view_open(work->gpu, &octree->leaf_fragment,
+									4 * ((uint64_t)octree->leaf_count + 1), &first, error);
+	if (status == GW_OK)
+		status = gw_view_open(work->gpu, &octree->fragment_surfel,
+							  4 * (uint64_t)octree->fragment_count, &surfel, error);
+	if (status == GW_OK)
+		enter_facets(octree->leaf_count, first.bytes, surfel.bytes, facet);
+	gw_view_close(&first);
+	gw_view_close(&surfel);
 	return status;
 }
 

@@ -14,19 +14,16 @@
 static gw_status find_longest(gw_octree_work *work, uint32_t *longest, gw_error *error)
 {
 	gw_octree *octree = work->octree;
-	uint64_t words = (uint64_t)octree->leaf_count + 1;
-	uint32_t *first = gw_allocate_array(words, sizeof *first);
-	if (first == NULL)
-		return gw_fail(error, GW_ERROR_MEMORY, "not enough memory for %u leaves",
-					   octree->leaf_count);
-	gw_status status =
-		gw_buffer_download(work->gpu, &octree->leaf_fragment, 0, first, 4 * words, error);
+	gw_view view;
 	*longest = 0;
-	for (uint32_t i = 0; i < octree->leaf_count && status == GW_OK; i++)
+	GW_TRY(gw_view_open(work->gpu, &octree->leaf_fragment, 4 * ((uint64_t)octree->leaf_count + 1),
+						&view, error));
+	const uint32_t *first = view.bytes;
+	for (uint32_t i = 0; i < octree->leaf_count; i++)
 		if (first[i + 1] - first[i] > *longest)
 			*longest = first[i + 1] - first[i];
-	free(first);
-	return status;
+	gw_view_close(&view);
+	return GW_OK;
 }
 
 static gw_status create_leaves(gw_octree_work *work, gw_error *error)

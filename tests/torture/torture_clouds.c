@@ -575,7 +575,10 @@ static void check_again(torture_case *c, bake_case *b)
 	child_run(c, &again);
 	if (!child_check(c, &again, b->label))
 		return;
-	if (again.code != b->child.code || !child_same_files(c, "out.ply", "again.ply"))
+	if (again.code != b->child.code)
+		case_fail(c, what(b, "not the same"), "one thread ends with %d in place of %d: %s",
+				  again.code, b->child.code, child_line(&b->child));
+	else if (!child_same_files(c, "out.ply", "again.ply"))
 		case_fail(c, what(b, "not the same"), "one thread gives other bytes: %s",
 				  child_line(&b->child));
 }

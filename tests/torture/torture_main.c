@@ -205,6 +205,14 @@ static double seconds_of_children(void)
 		   1e-6 * (double)(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
 }
 
+/* What did not fail again when the case was run alone is told by what it left. */
+static bool keep_files(const torture_case *c)
+{
+	char kept[sizeof c->folder + 64];
+	snprintf(kept, sizeof kept, "%s/failed-%s-%ld", wish.folder, c->part, c->number);
+	return rename(c->folder, kept) == 0;
+}
+
 static void run_case(case_id id)
 {
 	const torture_part *part = parts[id.part];
@@ -239,8 +247,10 @@ static void run_case(case_id id)
 			   c.known, c.folder);
 		exit(c.failures > 0);
 	}
-	case_clear_folder(&c);
-	rmdir(c.folder);
+	if (c.failures == 0 || !keep_files(&c)) {
+		case_clear_folder(&c);
+		rmdir(c.folder);
+	}
 	char line[200];
 	snprintf(line, sizeof line, "%s %ld %ld %ld %ld %.2f\n", part->name, id.number, c.trials,
 			 c.failures, c.known, seconds);

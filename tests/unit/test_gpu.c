@@ -194,6 +194,40 @@ static void test_views(void **state)
 	look_at_view(false);
 }
 
+/* Written to in place or through a copy, it is the buffer's in the end, if it was changed. */
+static void look_at_edit(bool may_map)
+{
+	gw_gpu *gpu = open_gpu((gw_gpu_options){ .validate = true });
+	gpu->may_map = may_map;
+	gw_error error = { 0 };
+	gw_buffer buffer = new_buffer(gpu, 1600, "edited");
+	for (uint32_t round = 0; round < 2; round++) {
+		gw_edit edit;
+		uint32_t got[400];
+		assert_ok(gw_edit_open(gpu, &buffer, &edit, &error), &error);
+		assert_true((edit.copy == NULL) == gw_gpu_shares_memory(gpu));
+		uint32_t *word = edit.bytes;
+		assert_int_equal(word[399], round == 0 ? 0 : scramble(399));
+		for (uint32_t i = 0; i < 400 && round == 0; i++)
+			word[i] = scramble(i);
+		assert_ok(gw_edit_close(gpu, &edit, round == 0, &error), &error);
+		assert_null(edit.bytes);
+		assert_ok(gw_edit_close(gpu, &edit, true, &error), &error);
+		assert_ok(gw_buffer_download(gpu, &buffer, 0, got, sizeof got, &error), &error);
+		for (uint32_t i = 0; i < 400; i++)
+			assert_int_equal(got[i], scramble(i));
+	}
+	gw_buffer_destroy(gpu, &buffer);
+	gw_gpu_destroy(&gpu);
+}
+
+static void test_edits(void **state)
+{
+	(void)state;
+	look_at_edit(true);
+	look_at_edit(false);
+}
+
 static void test_empty_buffer(void **state)
 {
 	(void)state;
@@ -253,6 +287,16 @@ static void test_borrowed(void **state)
 		assert_int_equal(got[i], word[i] * 3 + i + 5);
 	assert_ok(gw_buffer_download(gpu, &in, 0, got, sizeof got, &error), &error);
 	assert_memory_equal(got, word, sizeof got);
+	gw_edit edit; /* in memory of the buffer's own */
+	assert_ok(gw_edit_open(gpu, &in, &edit, &error), &error);
+	assert_false(in.lent);
+	assert_ptr_not_equal(in.mapped, word);
+	memset(edit.bytes, 0, 4);
+	assert_ok(gw_edit_close(gpu, &edit, true, &error), &error);
+	assert_ok(gw_pass_run(gpu, pass, bindings, (uint32_t[]){ 0, 0, 5 }, WORDS, &error), &error);
+	assert_ok(gw_buffer_download(gpu, &out, 0, got, sizeof got, &error), &error);
+	for (uint32_t i = 0; i < WORDS; i++)
+		assert_int_equal(got[i], (i > 0 ? word[i] * 3 : 0) + i + 5);
 	gw_pass_destroy(gpu, &pass);
 	gw_buffer_destroy(gpu, &in);
 	gw_buffer_destroy(gpu, &out);
@@ -654,6 +698,7 @@ int main(void)
 		cmocka_unit_test(test_copies_mapped),
 		cmocka_unit_test(test_copies_staged),
 		cmocka_unit_test(test_views),
+		cmocka_unit_test(test_edits),
 		cmocka_unit_test(test_empty_buffer),
 		cmocka_unit_test(test_pass_whole),
 		cmocka_unit_test(test_pass_windows),
