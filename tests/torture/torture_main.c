@@ -208,7 +208,7 @@ static double seconds_of_children(void)
 /* What did not fail again when the case was run alone is told by what it left. */
 static bool keep_files(const torture_case *c)
 {
-	char kept[sizeof c->folder + 64];
+	char kept[PATH_MAX + 100];
 	snprintf(kept, sizeof kept, "%s/failed-%s-%ld", wish.folder, c->part, c->number);
 	return rename(c->folder, kept) == 0;
 }
