@@ -42,6 +42,11 @@
 /* And how far from its sheet. */
 #define SHEET_MOST 1.5f
 
+/* Surfels follow a space-filling curve: others of a sheet are looked for among so many before and
+ * after one; so far off it, radii, noise may put these. */
+#define ORDER_REACH ((size_t)32)
+#define DISC_SHEET 0.5f
+
 /* Rounds of propagation; after the first ones only surfels without a label take part. */
 #define SHEET_ROUNDS 3
 #define ROUNDS 7
@@ -577,6 +582,56 @@ static void propagate_labels(sight *s, uint32_t *sides, uint32_t *other)
 	}
 }
 
+/* Does a surfel lie on the sheet of another one, within the reach of its disc? */
+static bool is_of_disc(const sight *s, size_t surfel, size_t other)
+{
+	const float *p = s->position + 4 * surfel, *n = s->normal + 4 * surfel;
+	const float *q = s->position + 4 * other, radius = s->size[4 * surfel];
+	const float way[3] = { q[0] - p[0], q[1] - p[1], q[2] - p[2] };
+	return dot(n, s->normal + 4 * other) > ALIKE && dot(way, way) < 4.0f * radius * radius &&
+		   fabsf(dot(way, n)) < DISC_SHEET * radius;
+}
+
+/* The label of most of those on a surfel's sheet; its own if it has one and is not alone with it.
+ */
+static uint32_t label_in_order(const sight *s, size_t surfel)
+{
+	uint32_t own = s->known[2 * surfel];
+	votes v = { .used = 0 };
+	size_t first = surfel > ORDER_REACH ? surfel - ORDER_REACH : 0;
+	size_t last = s->surfels - surfel > ORDER_REACH ? surfel + ORDER_REACH : s->surfels;
+	for (size_t j = first; j < last; j++) {
+		if (j == surfel || s->known[2 * j] == GW_COMPARTMENT_UNKNOWN || !is_of_disc(s, surfel, j))
+			continue;
+		if (s->known[2 * j] == own)
+			return own;
+		vote(&v, s->known[2 * j], 1);
+	}
+	return v.used > 0 ? winner(&v) : own;
+}
+
+static void vote_in_order(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const sight *s = user;
+	(void)worker;
+	for (size_t i = first; i < last; i++) {
+		s->to[2 * i] = s->known[2 * i];
+		s->to[2 * i + 1] = s->known[2 * i + 1];
+		if (s->size[4 * i] >= GW_SPARSE_RADIUS)
+			s->to[2 * i] = label_in_order(s, i);
+	}
+}
+
+/* Sparse surfels, whose sheet is not in the cells around them, get its label if they have none, or
+ * one that nobody of it has. */
+static void ask_in_order(sight *s, uint32_t *sides, uint32_t *other)
+{
+	s->known = sides;
+	s->to = other;
+	gw_parallel_for(s->threads, s->surfels, CHUNK, vote_in_order, s);
+	memcpy(sides, other, 2 * s->surfels * sizeof *sides);
+}
+
 /* What no votes gave a label looks further, and then past surface that it begins behind; what has
  * none even then takes that of all around. */
 static void look_further(sight *s, uint32_t *sides, uint32_t *other)
@@ -603,6 +658,7 @@ static gw_status find(sight *s, uint32_t *sides, uint32_t *other, uint32_t *seve
 	gw_parallel_for(s->threads, s->surfels, CHUNK, look_some, s); /* Through the bubbles. */
 	doubt_looks(s, sides, other);
 	propagate_labels(s, sides, other);
+	ask_in_order(s, sides, other);
 	look_further(s, sides, other);
 	return GW_OK;
 }
