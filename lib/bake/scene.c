@@ -308,6 +308,9 @@ gw_status gw_scene_build_octree(gw_scene *scene, gw_error *error)
 	memcpy(scene->passes.device_seconds, seconds, sizeof seconds);
 	scene->passes.threads = o->threads;
 	gw_scene_report_octree(scene);
+	/* Light does without what leaves are as voxels. */
+	if (!o->voxels && !gw_transport_is_written(o->transport))
+		gw_buffer_destroy(scene->gpu, &scene->octree.leaf_geometry);
 	if (o->method == GW_METHOD_CONES)
 		gw_report_count(
 			scene->report, "cones_pass", scene->octree.tree_discs,

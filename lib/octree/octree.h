@@ -95,7 +95,7 @@ typedef struct gw_octree {
 	 * 2 * leaf + s; unused slots are zero. */
 	/* R32G32B32A32_SFLOAT, 2 * leaf_count: by RoI intersection volume (Salm 4.3.4): [2i] =
 	 * albedo rgb times opacity, opacity (may exceed 1, see there); [2i+1] = NDF xyz times
-	 * opacity, 0 */
+	 * opacity, 0; may be destroyed where nobody asks for it */
 	gw_buffer leaf_geometry;
 	/* R32G32B32A32_SFLOAT, 2 * leaf_count: unit normal n, offset c; the plane is n . (g - cell
 	 * centre) = c, in leaf cells */
