@@ -42,6 +42,7 @@ struct gw_check_disc {
 	uint32_t two_sided;
 	float transparency;
 	float spacing; /* metres */
+	float doubt;   /* of the surfel */
 };
 
 /* Four boxes, and what is in each: a node, or IS_LEAF, discs - 1 at bit 28, and the first. */
@@ -191,6 +192,7 @@ static gw_check_disc disc_of(const gw_surfels *s, size_t i, const float *disc, c
 						.surfel = (uint32_t)i,
 						.two_sided = s->two_sided[i],
 						.spacing = sqrtf(s->area[i]),
+						.doubt = s->doubt ? s->doubt[i] : 0.0f,
 						.transparency = s->transparency ? s->transparency[i] : 0.0f };
 	gw_tangent_frame(s->normal + 3 * i, tangent, bitangent);
 	for (int c = 0; c < 2; c++) {
@@ -296,6 +298,8 @@ static bool is_cut_off(const gw_check_disc *d, gw_vec3 at)
 static void hit_disc(const gw_check_disc *d, walk *w)
 {
 	const gw_check_ray *ray = w->ray;
+	if (ray->unless > 0.0f && d->doubt >= ray->unless)
+		return;
 	float approach = gw_dot(d->normal, ray->direction);
 	gw_vec3 from = gw_minus(ray->origin, d->place);
 	float t = -gw_dot(d->normal, from) / approach;
@@ -307,7 +311,8 @@ static void hit_disc(const gw_check_disc *d, walk *w)
 	bool other = d->transparency > 0.0f && -gw_dot(d->normal, from) >= d->spacing;
 	if (squared > d->large || (own && approach > 0.0f && !other))
 		return;
-	bool small = squared <= d->small && !is_cut_off(d, at) &&
+	bool small = squared <= (ray->whole ? d->small / (SMALL * SMALL) : d->small) &&
+				 !is_cut_off(d, at) &&
 				 !(own && ray->both_sides && gw_dot(d->normal, from) < RISE * sqrtf(d->small));
 	if (approach > 0.0f && !ray->both_sides && !d->two_sided && !(d->transparency > 0.0f)) {
 		w->nearest_back_face = small ? gw_smaller(w->nearest_back_face, t) : w->nearest_back_face;
