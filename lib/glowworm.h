@@ -520,7 +520,7 @@ typedef struct gw_bounce {
 typedef struct gw_error_estimate {
 	uint32_t points;     /* solved again; 0 when no estimate was made, or where lamps alone shine
 							and only their shadows are looked at */
-	double relative_rms; /* root mean square error: of the seven below that are parts of it, of the
+	double relative_rms; /* root mean square error: of the eight below that are parts of it, of the
 							light that GW_BOUNCES_AUTO leaves out (remaining), and not less than
 							halves says */
 	double gathered;     /* of light that was gathered, by the points that were solved again */
@@ -541,6 +541,9 @@ typedef struct gw_error_estimate {
 	double sides;       /* of surfaces that may face the other way, as what points see on both sides
 						   says (side_error.h) */
 	double sides_share; /* of the points: those that are likely to */
+	double narrow;      /* of plates that stand for things as narrow as points are apart, such as
+						   leaves and wires, where nothing says how much of them is there
+						   (narrow_error.h) */
 	double halves; /* of the surface, whatever is wrong with it, as gw_bake finds it by bakes of
 					  half of the points (half_sample.h): where more than a tenth had no
 					  normal, some are strays, or points are far apart or on something narrow

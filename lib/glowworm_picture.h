@@ -81,8 +81,10 @@ typedef struct gw_surfels {
 						 place is known from both sides */
 	uint8_t *two_sided; /* count, 1 where the normal cannot be trusted: lit from both sides at once;
 						   or GW_SIDE_UNCLEAR, GW_SIDE_BACK or GW_SIDE_FOLIAGE; else 0 */
-	float *noise;       /* count, metres, RMS distance of the neighbours as they were given to the
-						   fitted plane */
+	float *doubt; /* count or NULL, chance that the disc is a plate in the air, in [0, 1], where
+					 narrow things have no normals */
+	float *noise; /* count, metres, RMS distance of the neighbours as they were given to the
+					 fitted plane */
 	uint32_t *surfel_of_point; /* point_count: surfel of each point, UINT32_MAX: left out, or not
 								  chosen */
 	float *albedo_of_point; /* 3 * point_count, in [0, GW_ALBEDO_MAX]; NULL where each point has its

@@ -156,6 +156,7 @@ static void write_bounces(json_writer *json, const bake_facts *f)
 	json_put_real(json, "gaps", r->error.gaps);
 	json_put_real(json, "sides", r->error.sides);
 	json_put_real(json, "sides_share", r->error.sides_share);
+	json_put_real(json, "narrow", r->error.narrow);
 	json_put_real(json, "halves", r->error.halves);
 	json_put_close(json, '}');
 	json_put_bool(json, "unlit_space", r->unlit_space);
@@ -197,6 +198,7 @@ static void write_rounds(json_writer *json, const gw_report *r)
 		json_put_real(json, "geometry", round->error.geometry);
 		json_put_real(json, "gaps", round->error.gaps);
 		json_put_real(json, "sides", round->error.sides);
+		json_put_real(json, "narrow", round->error.narrow);
 		json_put_real(json, "seconds", round->seconds);
 		json_put_text(json, "why", round->why);
 		json_put_close(json, '}');
@@ -379,7 +381,14 @@ static bool is_large(const gw_report *r, double part)
 }
 
 /* What the largest doubt is about. */
-typedef enum doubt { DOUBT_NONE, DOUBT_GEOMETRY, DOUBT_SIDES, DOUBT_GAPS, DOUBT_SURFACE } doubt;
+typedef enum doubt {
+	DOUBT_NONE,
+	DOUBT_GEOMETRY,
+	DOUBT_SIDES,
+	DOUBT_GAPS,
+	DOUBT_NARROW,
+	DOUBT_SURFACE
+} doubt;
 
 /* Where one stood: what tells most, if nobody told it yet, nor the files. */
 static const char *or_scanner(const bake_facts *f)
@@ -406,7 +415,7 @@ static void tell_gaps(const gw_report *r, const char *lead)
 static double doubt_size(const gw_report *r, doubt which)
 {
 	const gw_error_estimate *e = &r->error;
-	const double part[] = { 0.0, e->geometry, e->sides, e->gaps, e->halves };
+	const double part[] = { 0.0, e->geometry, e->sides, e->gaps, e->narrow, e->halves };
 	return part[which];
 }
 
@@ -450,6 +459,14 @@ static const char *better_normals(const gw_report *r)
 							: "--normals estimate, which takes none of the file's, may settle it";
 }
 
+static void tell_narrow(const char *lead)
+{
+	fprintf(stderr,
+			"%snothing says how much there is of things as narrow as points are apart, such as "
+			"leaves and wires; normals in the file tell it, or a scan in rows and columns\n",
+			lead);
+}
+
 /* Before all others, what the light hangs on most, and what settles it. */
 static doubt note_largest_doubt(const bake_facts *f, const gw_report *r)
 {
@@ -466,6 +483,8 @@ static doubt note_largest_doubt(const bake_facts *f, const gw_report *r)
 		fprintf(stderr, "%s%s; %s%s\n", lead, why_sides(r, why), or_scanner(f), better_normals(r));
 	if (most == DOUBT_GAPS)
 		tell_gaps(r, lead);
+	if (most == DOUBT_NARROW)
+		tell_narrow(lead);
 	if (most == DOUBT_SURFACE && !are_estimated(r))
 		fprintf(stderr,
 				"%sa bake of half of the points gives other light: in places they are too far "
@@ -497,6 +516,16 @@ static void note_sides(const bake_facts *f, const gw_report *r)
 	if (r->error.sides > GUESSED_LEAST)
 		fprintf(stderr, "glowworm: note: %s; %s%s\n", why_sides(r, why), or_scanner(f),
 				better_normals(r));
+}
+
+/* Where much of it hangs on how much there is of narrow things. */
+static void note_narrow(const gw_report *r)
+{
+	char lead[96], percent[TEXT_PERCENT];
+	snprintf(lead, sizeof lead, "glowworm: note: the light is %s %% in doubt because ",
+			 text_percent(r->error.narrow, percent));
+	if (r->error.narrow > GUESSED_LEAST)
+		tell_narrow(lead);
 }
 
 static const char *how_to_close(const settings *s)
@@ -657,6 +686,8 @@ void bake_report_notes(const bake_facts *f)
 		note_geometry(r);
 	if (told != DOUBT_SIDES)
 		note_sides(f, r);
+	if (told != DOUBT_NARROW)
+		note_narrow(r);
 	if (told != DOUBT_GAPS)
 		note_gaps(f->settings, r);
 	note_no_scanner(f->settings, r);
@@ -708,6 +739,8 @@ static void put_parts(const gw_report *r, char *text, size_t room)
 		{ e->emission, "edges of what emits", "denser points" },
 		{ e->gaps, "gaps that no scanner looked at", "more scans" },
 		{ e->sides, "surfaces that may face the wrong way", "normals or scanner positions" },
+		{ e->narrow, "doubts about how much there is of narrow things",
+		  "normals or a scan in rows and columns" },
 		{ e->halves, "doubts about the surface, by half of the points,",
 		  "denser or better points" },
 	};

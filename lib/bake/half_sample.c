@@ -389,8 +389,8 @@ void gw_half_sample_add(const gw_half_difference *first, const gw_half_differenc
 		surface *= sqrt(fmax(1.0 - 2.0 * gathered * gathered / (differs * differs), 0.0));
 	double sides = of_sides(first->turned, fmax(growth_of(first->turned, second->turned), by_rays));
 	estimate->halves = hypot(surface, sides);
-	/* Rays know of sides that are guessed alike in both. */
+	/* Rays know of sides that are guessed alike in both, and of plates that both have. */
 	double all = hypot(hypot(surface, fmax(sides, estimate->sides)),
-					   hypot(estimate->gathered, estimate->gaps));
+					   hypot(hypot(estimate->gathered, estimate->gaps), estimate->narrow));
 	estimate->relative_rms = fmax(estimate->relative_rms, all);
 }

@@ -26,6 +26,7 @@
 #define BENT 16u         /* bends of discs, for the estimated error as well */
 #define CREASED 32u      /* discs are, of which a coarser octree is made */
 #define MOMENTS 64u      /* of what emitters brought to the records */
+#define DOUBTED 128u     /* whether there is a surface, for the estimated error */
 
 /* What of discs an octree takes that is made from the surfels again, and what lamps do that shine
  * on large ones. */
@@ -74,7 +75,7 @@ gw_transport_numbers gw_transport_numbers_of(const gw_scene *scene)
 	n.emits = gw_surfels_emit(s) ? 1 : s->emission ? 2 : 0;
 	n.optional = (s->shading_normal ? NOISY : 0) | (s->shading_normal_off ? OFF : 0) |
 				 (s->albedo_of_point ? POINTS_ALBEDO : 0) | (s->bend ? BENT : 0) | discs_of(scene) |
-				 (scene->sampled_moment.handle ? MOMENTS : 0);
+				 (scene->sampled_moment.handle ? MOMENTS : 0) | (s->doubt ? DOUBTED : 0);
 	n.check_points = scene->check_points.count;
 	n.check_point_rays = scene->check_points.rays;
 	n.check_points_lit = scene->check_points.emitted != NULL;
@@ -104,7 +105,8 @@ bool gw_transport_numbers_fit(const gw_transport_numbers *n)
 		   n->rays > 0 && n->rays <= 4096 && (uint64_t)n->rays * n->records <= UINT32_MAX &&
 		   n->emits <= 2 && n->looked <= 1 && n->portals <= GW_PORTALS_MOST &&
 		   n->opened == (n->portals > 0) &&
-		   n->optional <= (NOISY | OFF | POINTS_ALBEDO | CUT | BENT | CREASED | MOMENTS) &&
+		   n->optional <=
+			   (NOISY | OFF | POINTS_ALBEDO | CUT | BENT | CREASED | MOMENTS | DOUBTED) &&
 		   (n->tree_discs == 0 || n->optional & CUT) &&
 		   (!(n->optional & MOMENTS) || n->light_samples > 0) && n->check_points <= n->surfels &&
 		   n->check_point_rays <= 4096 &&
@@ -228,6 +230,8 @@ static void list_surfels(list *l, gw_scene *scene, const gw_transport_numbers *n
 		host(l, "bends", &s->bend, 12 * count);
 	if (n->optional & CREASED)
 		host(l, "creases", &s->creased, count);
+	if (n->optional & DOUBTED)
+		host(l, "doubts", &s->doubt, 4 * count);
 	index_below(host(l, "surfels of points", &s->surfel_of_point, 4 * n->points), 0, count,
 				UINT32_MAX, 1);
 	if (n->optional & POINTS_ALBEDO)

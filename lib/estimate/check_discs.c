@@ -290,6 +290,8 @@ static void hit_disc(uint32_t surfel, walk *w)
 {
 	const gw_check_ray *ray = w->ray;
 	const gw_surfels *s = w->discs->surfels;
+	if (ray->unless > 0.0f && s->doubt && s->doubt[surfel] >= ray->unless)
+		return;
 	gw_vec3 normal = normal_of(w, surfel);
 	float approach = gw_dot(normal, ray->direction);
 	gw_vec3 from = gw_minus(ray->origin, gw_xyz(s->position + 3 * (size_t)surfel));
@@ -304,7 +306,8 @@ static void hit_disc(uint32_t surfel, walk *w)
 	bool other = transparency > 0.0f && -height >= spacing_of(w->discs, surfel);
 	if (squared > large_radius * large_radius || (own && approach > 0.0f && !other))
 		return;
-	bool small = squared <= small_squared && !is_cut_off(w->discs, surfel, at) &&
+	bool small = squared <= (ray->whole ? small_squared / (SMALL * SMALL) : small_squared) &&
+				 !is_cut_off(w->discs, surfel, at) &&
 				 !(own && ray->both_sides && height < RISE * sqrtf(small_squared));
 	if (approach > 0.0f && !ray->both_sides && !s->two_sided[surfel] && !(transparency > 0.0f)) {
 		w->nearest_back_face = small ? gw_smaller(w->nearest_back_face, t) : w->nearest_back_face;

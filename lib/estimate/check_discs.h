@@ -49,6 +49,8 @@ typedef struct gw_check_ray {
 	float own;
 	float t_max;     /* metres */
 	bool both_sides; /* backs of discs stop it */
+	bool whole;      /* small discs are as large as the surfels' */
+	float unless;    /* above 0: discs that are in doubt by so much or more are not there */
 } gw_check_ray;
 
 /* Surfels that the ray meets first, or GW_NONE: among small discs and among large ones. */

@@ -14,6 +14,7 @@
 #include "base/parallel.h"
 #include "estimate/check_point_choice.h"
 #include "estimate/hit_light.h"
+#include "estimate/narrow_error.h"
 #include "estimate/shadow_error.h"
 #include "estimate/side_error.h"
 #include "light/transport_layout.h"
@@ -504,12 +505,13 @@ static float *list_radiance(const gw_estimate_task *task)
 	return light;
 }
 
-/* What it costs that some points may face the other way. */
-static gw_status check_sides(const gw_geometry_task *geometry, const gw_estimate_task *task,
-							 double mean, gw_error_estimate *result, gw_error *error)
+/* What it costs that some points may face the other way, and that some may be on narrow things. */
+static gw_status check_points(const gw_geometry_task *geometry, const gw_estimate_task *task,
+							  double mean, gw_error_estimate *result, gw_error *error)
 {
 	gw_view texel = { 0 };
 	gw_side_finding found;
+	double narrow = 0.0;
 	const gw_sky_map *m = geometry->map;
 	gw_status status = GW_OK;
 	if (geometry->records && m && m->width > 0)
@@ -532,10 +534,13 @@ static gw_status check_sides(const gw_geometry_task *geometry, const gw_estimate
 								 .options = geometry->options };
 	if (status == GW_OK)
 		status = gw_side_error(&check, &found, error);
+	if (status == GW_OK)
+		status = gw_narrow_error(&check, geometry->counts, &narrow, error);
 	gw_view_close(&texel);
 	if (status == GW_OK) {
 		result->sides = found.rms / mean;
 		result->sides_share = found.share;
+		result->narrow = narrow / mean;
 		result->spread = hypot(result->spread, found.spread / mean);
 	}
 	return status;
@@ -579,7 +584,7 @@ static gw_status check_geometry(const gw_estimate_task *task, const estimate *e,
 	if (status == GW_OK)
 		status = gw_geometry_error(&check, &rms, error);
 	if (status == GW_OK)
-		status = check_sides(&check, task, mean, result, error);
+		status = check_points(&check, task, mean, result, error);
 	free(light);
 	result->geometry = rms / mean;
 	return status;
@@ -675,7 +680,8 @@ gw_status gw_estimate_error(const gw_estimate_task *task, gw_error_estimate *res
 		status = add_lamps(task, &e, mean, result, error);
 	if (status == GW_OK)
 		add_emission(task, &e, mean, result);
-	result->relative_rms = hypot(result->relative_rms, hypot(result->geometry, result->sides));
+	result->relative_rms =
+		hypot(result->relative_rms, hypot(hypot(result->geometry, result->sides), result->narrow));
 	add_remaining(task, &e, result);
 	gw_hit_light_close(&e.hit_light);
 	gw_records_destroy(task->passes->gpu, &e.place);

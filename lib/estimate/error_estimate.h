@@ -20,7 +20,7 @@
  * lamps shine on are off where points are noisy or had none (normal_error.h), and what the edges of
  * emitters do to their power (emission_error.h). What is wrong with the octree itself, rays find
  * that meet nothing of it (geometry_error.h); they also find what surfaces cost that may face the
- * wrong way (side_error.h).
+ * wrong way (side_error.h), and plates that stand for narrow things (narrow_error.h).
  */
 #ifndef ERROR_ESTIMATE_H
 #define ERROR_ESTIMATE_H

@@ -3,8 +3,8 @@
 
 #include "base/memory.h"
 #include "base/up_axis.h"
+#include "normals/nearest_plane.h"
 #include "normals/normal_orientation.h"
-#include "normals/plane_normal.h"
 #include "normals/scanner_sight.h"
 
 #include <math.h>
@@ -24,20 +24,13 @@
 #define LINE_RATIO 1e-4
 
 /*
- * Among leaves and wires the neighbours lie on several, and the nearest FEW of them on one. There
+ * Among leaves and wires the neighbours lie on several, and the nearest few of them on one. There
  * these leave less than this share of what all leave, on the average of all neighbours' planes, and
  * all leave more than SEVERAL. Noise of half a spacing on a plane gives 0.74, leaves of six points
  * 0.2 and tubes 0.16 (measured).
  */
-#define FEW 4
 #define FEW_SHARE 0.5f
 #define SEVERAL 0.04f
-/* So much wider than a line they are, as LINE_RATIO says: where columns of a scan are further apart
- * than its rows, or on a wire, the nearest few lie on a line, and a plane through it is what noise
- * makes of it. 0.01 to 0.1 do as well (measured). */
-#define FEW_LINE_RATIO 0.03
-/* From this much on that all leave, planes of few are looked for. */
-#define UNEVEN 0.02f
 /* So wide, in the width that a point covers by itself, may these lie apart: others are of other
  * leaves. */
 #define FEW_APART 3.0f
@@ -149,44 +142,6 @@ static void way_to_scanner(const normal_step *step, size_t surfel, double way[3]
 		way[k] /= length;
 }
 
-/* The neighbours around a surfel, itself first, in units of the furthest one's distance. */
-static size_t gather_points(const gw_surfels *s, size_t surfel, const gw_neighbour_list *list,
-							float point[3 * (GW_NEIGHBOURS + 1)])
-{
-	double reach = list->count ? (double)list->distance[list->count - 1] : 1;
-	memset(point, 0, 3 * sizeof *point);
-	for (uint32_t j = 0; j < list->count; j++)
-		for (size_t k = 0; k < 3; k++) {
-			double d = (double)s->position[3 * (size_t)list->index[j] + k] -
-					   (double)s->position[3 * surfel + k];
-			point[3 * (j + 1) + k] = (float)(d / reach);
-		}
-	return list->count + 1u;
-}
-
-/* Whether points spread in two directions across a normal, rather than along a line: the lesser
- * eigenvalue is more than this share of the greater one. */
-static bool spans_plane(const float *point, size_t count, const float normal[3], double least)
-{
-	float t[3], b[3];
-	double u = 0, v = 0, uu = 0, uv = 0, vv = 0;
-	gw_tangent_frame(normal, t, b);
-	for (size_t i = 0; i < count; i++) {
-		const float *p = point + 3 * i;
-		double x = (double)(p[0] * t[0] + p[1] * t[1] + p[2] * t[2]);
-		double y = (double)(p[0] * b[0] + p[1] * b[1] + p[2] * b[2]);
-		u += x;
-		v += y;
-		uu += x * x;
-		uv += x * y;
-		vv += y * y;
-	}
-	double n = (double)count;
-	double a = uu - u * u / n, c = vv - v * v / n, mixed = uv - u * v / n;
-	double half = 0.5 * (a + c), root = sqrt(0.25 * (a - c) * (a - c) + mixed * mixed);
-	return half - root > least * (half + root);
-}
-
 /* Where there is no plane: the way to the scanner, made perpendicular to the line on which the
  * neighbours lie, if they lie on one. */
 static void fallback_normal(const float *point, size_t count, const double way[3], float normal[3])
@@ -213,39 +168,22 @@ static void fallback_normal(const float *point, size_t count, const double way[3
 		normal[k] = (float)(n[k] / sqrt(n_length));
 }
 
-/* The plane through some points, if they span one; least: as spans_plane has it. */
+/* The plane through some points, if they span one; least: as gw_plane_is_spanned has it. */
 static bool fit_plane(normal_step *step, const float *point, size_t count, double least,
 					  float plane[4])
 {
 	gw_plane found = gw_plane_normal(point, count, plane, plane + 3);
 	if (found == GW_PLANE_NO_MEMORY)
 		gw_neighbours_run_short(step->search);
-	return found == GW_PLANE_FOUND && spans_plane(point, count, plane, least);
+	return found == GW_PLANE_FOUND && gw_plane_is_spanned(point, count, plane, least);
 }
 
-/* The plane through the first point and the nearest FEW of those around it, if they are no further
- * apart. */
+/* The plane of the nearest few, if they are no further apart. */
 static void fit_few(normal_step *step, const float *point, size_t count, float apart,
 					float plane[4])
 {
-	float few[3 * (FEW + 1)] = { 0 }, squared[FEW + 1], own[4];
-	size_t kept = 0;
-	for (size_t i = 1; i < count; i++) {
-		const float *p = point + 3 * i;
-		size_t at = kept; /* kept in order of distance; one too many falls off the end */
-		float d = p[0] * p[0] + p[1] * p[1] + p[2] * p[2];
-		for (; at > 0 && d < squared[at - 1]; at--)
-			squared[at] = squared[at - 1];
-		squared[at] = d;
-		if (at < FEW) {
-			memmove(few + 3 * (at + 2), few + 3 * (at + 1), 3 * (FEW - 1 - at) * sizeof *few);
-			memcpy(few + 3 * (at + 1), p, 3 * sizeof *few);
-		}
-		kept += kept < FEW;
-	}
-	if (kept == FEW && squared[FEW - 1] < apart * apart &&
-		fit_plane(step, few, FEW + 1, FEW_LINE_RATIO, own))
-		memcpy(plane, own, sizeof own);
+	if (gw_nearest_plane(point, count, apart, plane) == GW_PLANE_NO_MEMORY)
+		gw_neighbours_run_short(step->search);
 }
 
 static void estimate_normal(void *user, size_t surfel, const gw_neighbour_list *list)
@@ -258,7 +196,7 @@ static void estimate_normal(void *user, size_t surfel, const gw_neighbour_list *
 	plane[3] = INFINITY;
 	if (normal[0] != 0 || normal[1] != 0 || normal[2] != 0)
 		return;
-	size_t count = gather_points(step->surfels, surfel, list, point);
+	size_t count = gw_places_around(step->surfels, surfel, list, point);
 	step->state[surfel] = ESTIMATED;
 	if (!fit_plane(step, point, count, LINE_RATIO, plane)) {
 		way_to_scanner(step, surfel, way);
@@ -266,7 +204,7 @@ static void estimate_normal(void *user, size_t surfel, const gw_neighbour_list *
 		plane[3] = INFINITY;
 		step->state[surfel] |= UNTRUSTED;
 	}
-	if (step->few && step->thin[surfel] > 0 && plane[3] > UNEVEN && plane[3] < INFINITY) {
+	if (step->few && step->thin[surfel] > 0 && plane[3] > GW_PLANE_UNEVEN && plane[3] < INFINITY) {
 		float apart = FEW_APART * sqrtf(step->thin[surfel]) / list->distance[list->count - 1];
 		fit_few(step, point, count, apart, step->few + 4 * surfel);
 	}

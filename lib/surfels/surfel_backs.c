@@ -42,7 +42,7 @@ static bool repeat_all(gw_surfels *s, const uint8_t *side, size_t more)
 		{ &s->emission, 12 },     { &s->nearest, 4 },   { &s->radius, 4 },
 		{ &s->area, 4 },          { &s->clip, 24 },     { &s->bend, 12 },
 		{ &s->creased, 1 },       { &s->two_sided, 1 }, { &s->noise, 4 },
-		{ &s->transparency, 4 },
+		{ &s->transparency, 4 },  { &s->doubt, 4 },
 	};
 	bool good = true;
 	for (size_t i = 0; i < sizeof rows / sizeof *rows && good; i++)

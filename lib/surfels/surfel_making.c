@@ -11,6 +11,7 @@
 #include "normals/normals.h"
 #include "normals/plane_error.h"
 #include "surfels/filled_space.h"
+#include "surfels/plane_doubt.h"
 #include "surfels/surface_layers.h"
 #include "surfels/surfel_backs.h"
 #include "surfels/surfel_disc.h"
@@ -228,7 +229,10 @@ static gw_status make_discs(const sorted_points *p, const gw_surfels_options *op
 	GW_TRY(gw_filled_space_find(&p->rest, *search, surfels, &lone, error));
 	if (options->effects_forbidden & 1u << GW_EFFECT_TRANSMISSION)
 		memset(lone.foliage, 0, surfels->count);
-	gw_status status = gw_surfels_smooth(options, *search, lone.filled, surfels, &smoothed, error);
+	gw_status status =
+		options->rough_area ? GW_OK : gw_plane_doubt_find(&p->rest, *search, &lone, surfels, error);
+	if (status == GW_OK)
+		status = gw_surfels_smooth(options, *search, lone.filled, surfels, &smoothed, error);
 	if (smoothed) {
 		gw_neighbours_close(*search);
 		*search = NULL;
@@ -316,6 +320,7 @@ void gw_surfels_clear(gw_surfels *surfels)
 	free(surfels->bend);
 	free(surfels->creased);
 	free(surfels->two_sided);
+	free(surfels->doubt);
 	free(surfels->noise);
 	free(surfels->surfel_of_point);
 	free(surfels->albedo_of_point);

@@ -246,6 +246,7 @@ static bool append_part(gw_surfels *all, gw_surfels *part)
 				append(&all->bend, n, part->bend, m, v) &&
 				append(&all->two_sided, n, part->two_sided, m, 1) &&
 				append(&all->creased, n, part->creased, m, 1) &&
+				append(&all->doubt, n, part->doubt, m, sizeof(float)) &&
 				append(&all->noise, n, part->noise, m, sizeof(float));
 	all->count = good ? n + m : n;
 	add_counts(all, part);
