@@ -505,10 +505,11 @@ static gw_status own_bytes(gw_gpu *gpu, gw_buffer *buffer, gw_error *error)
 		gpu,
 		&(gw_buffer_description){ GW_BUFFER_TEXEL, buffer->format, buffer->bytes, buffer->name },
 		&own, error));
-	memcpy(own.mapped, buffer->mapped, (size_t)buffer->bytes);
-	gw_buffer_destroy(gpu, buffer);
-	*buffer = own;
-	return GW_OK;
+	gw_status status = gw_buffer_upload(gpu, &own, 0, buffer->mapped, buffer->bytes, error);
+	gw_buffer_destroy(gpu, status == GW_OK ? buffer : &own);
+	if (status == GW_OK)
+		*buffer = own;
+	return status;
 }
 
 gw_status gw_edit_open(gw_gpu *gpu, gw_buffer *buffer, gw_edit *edit, gw_error *error)
