@@ -47,6 +47,11 @@
 #define ORDER_REACH ((size_t)32)
 #define DISC_SHEET 0.5f
 
+/* Leaf cells: radius of a disc from which on none of its sheet is likely within the two cells
+ * around, where votes come from. Of eight random points within it the nearest lies at its root of
+ * an eighth, 0.35. */
+#define ALONE_RADIUS 6.0f
+
 /* Rounds of propagation; after the first ones only surfels without a label take part. */
 #define SHEET_ROUNDS 3
 #define ROUNDS 7
@@ -582,14 +587,21 @@ static void propagate_labels(sight *s, uint32_t *sides, uint32_t *other)
 	}
 }
 
-/* Does a surfel lie on the sheet of another one, within the reach of its disc? */
+static bool is_sparse(const sight *s, size_t surfel)
+{
+	return surfel < s->surfels && s->size[4 * surfel] >= ALONE_RADIUS;
+}
+
+/* Does a surfel lie on the sheet of another one, within the reach of the larger one's disc, if that
+ * is of sparse surface? Beside an edge a disc may be much smaller than those around it. */
 static bool is_of_disc(const sight *s, size_t surfel, size_t other)
 {
 	const float *p = s->position + 4 * surfel, *n = s->normal + 4 * surfel;
-	const float *q = s->position + 4 * other, radius = s->size[4 * surfel];
+	const float *q = s->position + 4 * other;
+	const float radius = fmaxf(s->size[4 * surfel], s->size[4 * other]);
 	const float way[3] = { q[0] - p[0], q[1] - p[1], q[2] - p[2] };
-	return dot(n, s->normal + 4 * other) > ALIKE && dot(way, way) < 4.0f * radius * radius &&
-		   fabsf(dot(way, n)) < DISC_SHEET * radius;
+	return radius >= ALONE_RADIUS && dot(n, s->normal + 4 * other) > ALIKE &&
+		   dot(way, way) < 4.0f * radius * radius && fabsf(dot(way, n)) < DISC_SHEET * radius;
 }
 
 /* The label of most of those on a surfel's sheet; its own if it has one and is not alone with it.
@@ -617,13 +629,13 @@ static void vote_in_order(void *user, size_t first, size_t last, uint32_t worker
 	for (size_t i = first; i < last; i++) {
 		s->to[2 * i] = s->known[2 * i];
 		s->to[2 * i + 1] = s->known[2 * i + 1];
-		if (s->size[4 * i] >= GW_SPARSE_RADIUS)
+		if (is_sparse(s, i) || is_sparse(s, i + 1) || (i > 0 && is_sparse(s, i - 1)))
 			s->to[2 * i] = label_in_order(s, i);
 	}
 }
 
-/* Sparse surfels, whose sheet is not in the cells around them, get its label if they have none, or
- * one that nobody of it has. */
+/* Surfels amid sparse ones, whose sheet is not in the cells around them, get its label if they have
+ * none, or one that nobody of it has. */
 static void ask_in_order(sight *s, uint32_t *sides, uint32_t *other)
 {
 	s->known = sides;

@@ -78,18 +78,24 @@ static double even_mean(bool lamp)
 	return mean;
 }
 
-/* The least radiance of a room's sparse points, of what is expected, with a square on its floor
- * where there are `ratio` times as many. */
-static double darkest_beside(uint64_t seed, double ratio, double side)
+/* A room with a square on its floor where there are `ratio` times as many points. */
+static scene room_with_square(uint64_t seed, double ratio, double side)
 {
 	scene s = { .state = seed };
-	const float radiance[3] = { 1, 1, 1 };
 	const double up[3] = { 0, 0, 1 };
 	scene_make_random_room(&s, SPARSE, ALBEDO);
 	for (size_t i = 0; i < (size_t)(ratio * SPARSE * side * side / 24); i++) {
 		double x = 0.1 + side * scene_random(&s), y = 0.1 + side * scene_random(&s);
 		scene_add(&s, (double[]){ x, y, -1 }, up, ALBEDO);
 	}
+	return s;
+}
+
+/* The least radiance of its sparse points, of what is expected. */
+static double darkest_beside(uint64_t seed, double ratio, double side)
+{
+	scene s = room_with_square(seed, ratio, side);
+	const float radiance[3] = { 1, 1, 1 };
 	scene_emit(&s, 0, radiance);
 	gw_bake_options options = gw_bake_options_default();
 	options.estimate_points = 0;
@@ -116,6 +122,31 @@ static void corners_are_lit(void **state)
 						  least);
 			assert_true(least > 0.75);
 		}
+}
+
+/* No sun from outside gets in there either. */
+static void corners_are_closed(void **state)
+{
+	(void)state;
+	const gw_light suns[] = {
+		{ .type = GW_LIGHT_SUN, .direction = { 0.2, 0.3, -0.9 }, .irradiance = { 3, 3, 3 } },
+		{ .type = GW_LIGHT_SUN, .direction = { -0.7, 0.1, -0.6 }, .irradiance = { 3, 3, 3 } },
+		{ .type = GW_LIGHT_SUN, .direction = { 0.1, -0.8, 0.5 }, .irradiance = { 3, 3, 3 } },
+	};
+	for (uint64_t seed = 1; seed <= 4; seed++) {
+		scene s = room_with_square(seed, 1000, 0.5);
+		gw_bake_options options = gw_bake_options_default();
+		options.estimate_points = 0;
+		gw_points points = scene_points(&s);
+		gw_bake_result *result = scene_bake(&points, suns, 3, &options);
+		size_t lit = 0;
+		for (size_t i = 0; i < points.count; i++)
+			lit += result->radiance[3 * i] > 0;
+		print_message("seed %d: %zu points lit\n", (int)seed, lit);
+		assert_int_equal(lit, 0);
+		gw_bake_result_destroy(&result);
+		scene_clear(&s);
+	}
 }
 
 /* Up to a million times as dense: spacings differ a thousand times. */
@@ -303,9 +334,13 @@ static void few_points_have_records(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(corners_are_lit),         cmocka_unit_test(dense_caps_change_nothing),
-		cmocka_unit_test(depth_changes_nothing),   cmocka_unit_test(walls_reflect_what_lamps_send),
-		cmocka_unit_test(few_points_have_records), cmocka_unit_test(strays_change_nothing),
+		cmocka_unit_test(corners_are_lit),
+		cmocka_unit_test(corners_are_closed),
+		cmocka_unit_test(dense_caps_change_nothing),
+		cmocka_unit_test(depth_changes_nothing),
+		cmocka_unit_test(walls_reflect_what_lamps_send),
+		cmocka_unit_test(few_points_have_records),
+		cmocka_unit_test(strays_change_nothing),
 		cmocka_unit_test(strays_are_counted),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
