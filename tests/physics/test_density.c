@@ -124,25 +124,27 @@ static void corners_are_lit(void **state)
 		}
 }
 
-/* No sun from outside gets in there either. */
+/* Neither suns nor the sky get in there. */
 static void corners_are_closed(void **state)
 {
 	(void)state;
-	const gw_light suns[] = {
+	const gw_light lights[] = {
+		{ .type = GW_LIGHT_ENVIRONMENT, .radiance = { 1, 1, 1 } },
 		{ .type = GW_LIGHT_SUN, .direction = { 0.2, 0.3, -0.9 }, .irradiance = { 3, 3, 3 } },
 		{ .type = GW_LIGHT_SUN, .direction = { -0.7, 0.1, -0.6 }, .irradiance = { 3, 3, 3 } },
 		{ .type = GW_LIGHT_SUN, .direction = { 0.1, -0.8, 0.5 }, .irradiance = { 3, 3, 3 } },
 	};
-	for (uint64_t seed = 1; seed <= 4; seed++) {
-		scene s = room_with_square(seed, 1000, 0.5);
+	const uint64_t seeds[] = { 2, 7, 12, 14 }; /* of 16 those that were lit */
+	for (size_t k = 0; k < sizeof seeds / sizeof *seeds; k++) {
+		scene s = room_with_square(seeds[k], 1000, 0.5);
 		gw_bake_options options = gw_bake_options_default();
 		options.estimate_points = 0;
 		gw_points points = scene_points(&s);
-		gw_bake_result *result = scene_bake(&points, suns, 3, &options);
+		gw_bake_result *result = scene_bake(&points, lights, 4, &options);
 		size_t lit = 0;
 		for (size_t i = 0; i < points.count; i++)
 			lit += result->radiance[3 * i] > 0;
-		print_message("seed %d: %zu points lit\n", (int)seed, lit);
+		print_message("seed %d: %zu points lit\n", (int)seeds[k], lit);
 		assert_int_equal(lit, 0);
 		gw_bake_result_destroy(&result);
 		scene_clear(&s);
