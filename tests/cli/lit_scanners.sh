@@ -20,6 +20,6 @@ awk 'BEGIN {
 sed '/scanner/d' rough.ply >unsaid.ply
 for scan in rough unsaid; do
 	glowworm bake $scan.ply --light 'point at 1,0,2 intensity 20' -o rough-lit.ply --force 2>notes
-	grep -c 'in doubt' notes
+	grep -c 'in doubt because a bake of half' notes
 	grep -o 'scanner X,Y,Z, where one stood' notes | uniq
 done
