@@ -49,11 +49,6 @@ typedef struct place {
 	float number;     /* in (0, 1] */
 } place;
 
-static gw_vec3 three(const float *v)
-{
-	return (gw_vec3){ v[0], v[1], v[2] };
-}
-
 /* What the same ray meets with the discs in doubt, and without them. */
 static void trace_both(const check *c, const place *from, const gw_check_ray *ray, float until,
 					   gw_check_hit hit[2])
@@ -72,9 +67,9 @@ static double gain_of_lamps(const check *c, const place *from)
 	const gw_octree *o = c->task->octree;
 	const gw_surfels *s = c->task->surfels;
 	const float *shone_on = s->shading_normal ? s->shading_normal : s->normal;
-	gw_vec3 towards, low = three(o->cube_minimum);
+	gw_vec3 towards, low = gw_xyz(o->cube_minimum);
 	const gw_check_place lit = { gw_times(gw_minus(from->at, low), 1 / o->leaf_size),
-								 three(shone_on + 3 * from->surfel) };
+								 gw_xyz(shone_on + 3 * from->surfel) };
 	double sum = 0.0;
 	for (size_t l = 0; l < c->lamps; l++) {
 		const gw_lamp *lamp = &c->lamp[l];
@@ -102,7 +97,7 @@ static double light_along(const check *c, const gw_check_ray *ray, const gw_chec
 	size_t met = hit->small;
 	if (hit->small == GW_NONE)
 		return gw_check_sky_light(&c->task->sky, ray->direction);
-	bool front = gw_dot(three(s->normal + 3 * met), ray->direction) < 0.0f;
+	bool front = gw_dot(gw_xyz(s->normal + 3 * met), ray->direction) < 0.0f;
 	return front || s->two_sided[met] ? (double)c->task->radiance[met] : 0.0;
 }
 
@@ -131,11 +126,11 @@ static void look(check *c, size_t i)
 	size_t surfel = c->choice.point[i];
 	double number = fmod((double)(i + 1) * GOLDEN, 1.0), gain[2] = { 0 };
 	place from = { .surfel = surfel,
-				   .at = three(s->position + 3 * surfel),
+				   .at = gw_xyz(s->position + 3 * surfel),
 				   .number = 1.0f - (float)number };
 	from.ray =
 		(gw_check_ray){ .origin = from.at,
-						.facing = three(s->normal + 3 * surfel),
+						.facing = gw_xyz(s->normal + 3 * surfel),
 						.own = fmaxf(OWN_RADII * s->radius[surfel], c->task->octree->leaf_size),
 						.both_sides = true,
 						.whole = true };
