@@ -19,7 +19,6 @@
  * difference with the number that they have. */
 #define POINTS 1024u
 #define RAYS 16u /* of each, in two halves; even */
-#define LAMP_RAYS 4u
 
 /* So near, in radii, discs that face alike are of the surface that a ray leaves. */
 #define OWN_RADII 2.0f
@@ -155,18 +154,6 @@ static void look_from(void *user, size_t first, size_t last, uint32_t worker)
 	}
 }
 
-static void list_lamps(check *c)
-{
-	const gw_side_task *t = c->task;
-	for (size_t i = 0; i < t->light_count; i++) {
-		if (!gw_light_shines(&t->lights[i]))
-			continue;
-		gw_lamp *lamp = &c->lamp[c->lamps++];
-		*lamp = gw_lamp_of(&t->lights[i], t->octree, t->surfels, t->options);
-		lamp->push.samples = lamp->push.samples < LAMP_RAYS ? lamp->push.samples : LAMP_RAYS;
-	}
-}
-
 /* What is off on average is so in each reflection: 1 + kept + kept^2 and so on. */
 static double reflections(const check *c)
 {
@@ -199,7 +186,7 @@ static gw_status look_and_conclude(check *c, double *rms, gw_error *error)
 	c->gain = room;
 	c->square = room + count;
 	c->albedo = room + 2 * count;
-	list_lamps(c);
+	c->lamps = gw_side_lamps(c->task, c->lamp);
 	gw_parallel_for(c->task->threads, count, CHUNK, look_from, c);
 	bool stopped = atomic_load(&c->stopped);
 	if (!stopped)

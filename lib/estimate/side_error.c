@@ -71,11 +71,6 @@ typedef struct check {
 	atomic_bool stopped;
 } check;
 
-static gw_vec3 three(const float *v)
-{
-	return (gw_vec3){ v[0], v[1], v[2] };
-}
-
 /* ---------------------------------------------------------------------------------------- rays */
 
 /* What lamps send to one side of a surfel. */
@@ -83,9 +78,10 @@ static double light_of_lamps(const check *c, size_t surfel, gw_vec3 facing)
 {
 	const gw_octree *o = c->task->octree;
 	const gw_surfels *s = c->task->surfels;
-	gw_vec3 at = three(s->position + 3 * surfel), towards;
-	const gw_check_place place = { gw_times(gw_minus(at, three(o->cube_minimum)), 1 / o->leaf_size),
-								   facing };
+	gw_vec3 at = gw_xyz(s->position + 3 * surfel), towards;
+	const gw_check_place place = {
+		gw_times(gw_minus(at, gw_xyz(o->cube_minimum)), 1 / o->leaf_size), facing
+	};
 	double sum = 0.0;
 	for (size_t l = 0; l < c->lamps; l++) {
 		const gw_lamp *lamp = &c->lamp[l];
@@ -126,8 +122,8 @@ static void add_ray(const check *c, const point_ray *from, uint32_t k, side *to)
 	if (met == GW_NONE) {
 		light = c->task->radiance ? gw_check_sky_light(&c->task->sky, ray->direction) : 0.0;
 	} else {
-		gw_vec3 normal = three(s->normal + 3 * (size_t)met);
-		gw_vec3 way = gw_minus(three(s->position + 3 * (size_t)met), ray->origin);
+		gw_vec3 normal = gw_xyz(s->normal + 3 * (size_t)met);
+		gw_vec3 way = gw_minus(gw_xyz(s->position + 3 * (size_t)met), ray->origin);
 		float approach = gw_dot(normal, ray->direction);
 		meets_front = approach < 0.0f;
 		near = fabsf(gw_dot(normal, way)) < from->own * fabsf(approach);
@@ -146,9 +142,9 @@ static void add_ray(const check *c, const point_ray *from, uint32_t k, side *to)
 static void look(const check *c, size_t surfel, bool front, side *to)
 {
 	const gw_surfels *s = c->task->surfels;
-	gw_vec3 normal = gw_times(three(s->normal + 3 * surfel), front ? 1.0f : -1.0f);
+	gw_vec3 normal = gw_times(gw_xyz(s->normal + 3 * surfel), front ? 1.0f : -1.0f);
 	double reflectance = gw_luminance(s->albedo + 3 * surfel);
-	gw_vec3 at = three(s->position + 3 * surfel);
+	gw_vec3 at = gw_xyz(s->position + 3 * surfel);
 	point_ray from = {
 		.ray = { .origin = gw_plus(at, gw_times(normal, ABOVE_RADII * s->radius[surfel])),
 				 .facing = normal,
@@ -423,16 +419,17 @@ static gw_status draw(check *c, gw_error *error)
 	return status;
 }
 
-static void list_lamps(check *c)
+size_t gw_side_lamps(const gw_side_task *task, gw_lamp *lamp)
 {
-	const gw_side_task *t = c->task;
-	for (size_t i = 0; i < t->light_count; i++) {
-		if (!gw_light_shines(&t->lights[i]))
+	size_t lamps = 0;
+	for (size_t i = 0; i < task->light_count; i++) {
+		if (!gw_light_shines(&task->lights[i]))
 			continue;
-		gw_lamp *lamp = &c->lamp[c->lamps++];
-		*lamp = gw_lamp_of(&t->lights[i], t->octree, t->surfels, t->options);
-		lamp->push.samples = lamp->push.samples < LAMP_RAYS ? lamp->push.samples : LAMP_RAYS;
+		gw_lamp *own = &lamp[lamps++];
+		*own = gw_lamp_of(&task->lights[i], task->octree, task->surfels, task->options);
+		own->push.samples = own->push.samples < LAMP_RAYS ? own->push.samples : LAMP_RAYS;
 	}
+	return lamps;
 }
 
 static bool any_unknown(const check *c)
@@ -474,7 +471,7 @@ gw_status gw_side_error(const gw_side_task *task, gw_side_finding *found, gw_err
 	if (status == GW_OK && (!c.lamp || !c.found || !c.value[0]))
 		status = gw_fail(error, GW_ERROR_MEMORY, "no memory to look from %u points", count);
 	if (status == GW_OK && count > 1) {
-		list_lamps(&c);
+		c.lamps = gw_side_lamps(c.task, c.lamp);
 		status = look_and_conclude(&c, found, error);
 	}
 	gw_check_point_choice_clear(&c.choice);

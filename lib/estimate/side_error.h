@@ -52,4 +52,9 @@ typedef struct gw_side_finding {
 
 gw_status gw_side_error(const gw_side_task *task, gw_side_finding *found, gw_error *error);
 
+/* Lists the lamps that shine, for check rays: each is asked by a few of its samples.
+ *   lamp   receives them; room for light_count
+ * Returns how many. */
+size_t gw_side_lamps(const gw_side_task *task, gw_lamp *lamp);
+
 #endif
