@@ -482,6 +482,11 @@ typedef struct gw_stage {
 	double compile_seconds; /* of that, compiling pipelines */
 	uint64_t bytes;         /* device memory that the stage left allocated */
 	uint64_t dispatches;
+	uint64_t submissions; /* to the device, which the host waited for */
+	/* Bytes that went to the device and back: copied, or read and changed in place where it shares
+	 * the host's memory. What loops of the processor do in place of passes is not counted. */
+	uint64_t uploaded_bytes;
+	uint64_t downloaded_bytes;
 } gw_stage;
 
 /* One compute pass that ran on the bake's device, for frames and scenes since that was opened. */

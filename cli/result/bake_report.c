@@ -85,6 +85,9 @@ static void write_stages(json_writer *json, const bake_facts *f)
 		json_put_real(json, "compile_seconds", r->stage[i].compile_seconds);
 		json_put_count(json, "bytes", r->stage[i].bytes);
 		json_put_count(json, "dispatches", r->stage[i].dispatches);
+		json_put_count(json, "submissions", r->stage[i].submissions);
+		json_put_count(json, "uploaded_bytes", r->stage[i].uploaded_bytes);
+		json_put_count(json, "downloaded_bytes", r->stage[i].downloaded_bytes);
 		json_put_close(json, '}');
 	}
 	json_put_close(json, ']');
@@ -349,22 +352,41 @@ static void profile_bounces(const gw_report *r, bool moved)
 	fputc('\n', stderr);
 }
 
-void bake_report_profile(const gw_report *r, bool moved)
+/* A row of the table of stages. Without bytes left on the device where these are 0. */
+static void profile_stage(const gw_stage *s)
 {
-	double seconds = 0.0, device = 0.0, compile = 0.0;
-	fprintf(stderr, "%-18s %9s %9s %9s %9s %10s\n", "stage", "ms", "device ms", "compile ms", "MB",
-			"dispatches");
+	char left[32] = "";
+	if (s->bytes > 0)
+		snprintf(left, sizeof left, "%.1f", (double)s->bytes / MEGABYTE);
+	fprintf(stderr, "%-18s %9.1f %9.1f %9.1f %9s %10" PRIu64 " %9" PRIu64 " %9.1f %9.1f\n", s->name,
+			s->seconds * 1e3, s->device_seconds * 1e3, s->compile_seconds * 1e3, left,
+			s->dispatches, s->submissions, (double)s->uploaded_bytes / MEGABYTE,
+			(double)s->downloaded_bytes / MEGABYTE);
+}
+
+static void profile_stages(const gw_report *r)
+{
+	gw_stage net = { .name = "net" };
+	fprintf(stderr, "%-18s %9s %9s %9s %9s %10s %9s %9s %9s\n", "stage", "ms", "device ms",
+			"compile ms", "MB", "dispatches", "submits", "MB up", "MB down");
 	for (uint32_t i = 0; i < r->stage_count; i++) {
 		const gw_stage *s = &r->stage[i];
-		fprintf(stderr, "%-18s %9.1f %9.1f %9.1f %9.1f %10" PRIu64 "\n", s->name, s->seconds * 1e3,
-				s->device_seconds * 1e3, s->compile_seconds * 1e3, (double)s->bytes / MEGABYTE,
-				s->dispatches);
-		seconds += s->seconds;
-		device += s->device_seconds;
-		compile += s->compile_seconds;
+		profile_stage(s);
+		net.seconds += s->seconds;
+		net.device_seconds += s->device_seconds;
+		net.compile_seconds += s->compile_seconds;
+		net.dispatches += s->dispatches;
+		net.submissions += s->submissions;
+		net.uploaded_bytes += s->uploaded_bytes;
+		net.downloaded_bytes += s->downloaded_bytes;
 	}
-	fprintf(stderr, "%-18s %9.1f %9.1f %9.1f\n\n", "net", seconds * 1e3, device * 1e3,
-			compile * 1e3);
+	profile_stage(&net);
+	fputc('\n', stderr);
+}
+
+void bake_report_profile(const gw_report *r, bool moved)
+{
+	profile_stages(r);
 	profile_bounces(r, moved);
 	fprintf(stderr, "%-18s %9" PRIu32 "\n", "SVO depth", r->depth);
 	fprintf(stderr, "%-18s %9.1f MB\n", "SVO-buffer", (double)r->octree_bytes / MEGABYTE);

@@ -95,9 +95,13 @@ static gw_status bake_half(whole *w, uint32_t level, const gw_half_sample *half,
 static void add_work(gw_stage *stage, const gw_bake_result *result)
 {
 	for (uint32_t i = 0; result && i < result->report.stage_count; i++) {
-		stage->device_seconds += result->report.stage[i].device_seconds;
-		stage->compile_seconds += result->report.stage[i].compile_seconds;
-		stage->dispatches += result->report.stage[i].dispatches;
+		const gw_stage *more = &result->report.stage[i];
+		stage->device_seconds += more->device_seconds;
+		stage->compile_seconds += more->compile_seconds;
+		stage->dispatches += more->dispatches;
+		stage->submissions += more->submissions;
+		stage->uploaded_bytes += more->uploaded_bytes;
+		stage->downloaded_bytes += more->downloaded_bytes;
 	}
 }
 

@@ -24,6 +24,9 @@ static void end_stage(gw_stage *stage, const gw_gpu *gpu)
 	stage->device_seconds = now.device_seconds - stage->device_seconds;
 	stage->compile_seconds = now.compile_seconds - stage->compile_seconds;
 	stage->dispatches = now.dispatches - stage->dispatches;
+	stage->submissions = now.submissions - stage->submissions;
+	stage->uploaded_bytes = now.uploaded_bytes - stage->uploaded_bytes;
+	stage->downloaded_bytes = now.downloaded_bytes - stage->downloaded_bytes;
 	stage->bytes = now.bytes;
 }
 
@@ -39,7 +42,10 @@ void gw_report_stage(gw_report *report, const gw_gpu *gpu, const char *name)
 	*stage = (gw_stage){ .seconds = gw_seconds(),
 						 .device_seconds = now.device_seconds,
 						 .compile_seconds = now.compile_seconds,
-						 .dispatches = now.dispatches };
+						 .dispatches = now.dispatches,
+						 .submissions = now.submissions,
+						 .uploaded_bytes = now.uploaded_bytes,
+						 .downloaded_bytes = now.downloaded_bytes };
 	snprintf(stage->name, sizeof stage->name, "%s", name);
 }
 

@@ -73,6 +73,11 @@ typedef struct gw_gpu_account {
 	uint64_t bytes;      /* device memory allocated now */
 	uint64_t peak_bytes; /* at its highest */
 	uint64_t dispatches;
+	uint64_t submissions; /* that the host waited for */
+	/* From the host to buffers and back: by copies, and what is read or changed in place where
+	 * memory is shared, which a device with memory of its own would have copied. */
+	uint64_t uploaded_bytes;
+	uint64_t downloaded_bytes;
 	double device_seconds;  /* by timestamps, all passes */
 	double compile_seconds; /* creating pipelines and their first dispatch */
 } gw_gpu_account;

@@ -186,6 +186,7 @@ gw_status gw_commands_submit(gw_gpu *gpu, const char *what, double *seconds, gw_
 	};
 	double start = gw_seconds();
 	GW_VULKAN(gpu, error, what, vkQueueSubmit(gpu->queue, 1, &info, gpu->fence));
+	gpu->account.submissions++;
 	GW_TRY(wait_for_device(gpu, what, error));
 	GW_VULKAN(gpu, error, what, vkResetFences(gpu->handle, 1, &gpu->fence));
 	double wall = gw_seconds() - start;

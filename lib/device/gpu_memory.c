@@ -442,6 +442,7 @@ static gw_status copy_buffer(gw_gpu *gpu, const gw_buffer *buffer, transfer c, g
 	assert(c.offset % 4 == 0 && c.bytes % 4 == 0);
 	if (c.bytes == 0)
 		return GW_OK;
+	*(c.to != NULL ? &gpu->account.downloaded_bytes : &gpu->account.uploaded_bytes) += c.bytes;
 	VkMemoryRequirements needs;
 	vkGetBufferMemoryRequirements(gpu->handle, buffer->handle, &needs);
 	if (gpu->may_map && is_mappable(gpu, needs.memoryTypeBits))
@@ -477,6 +478,7 @@ gw_status gw_view_open(gw_gpu *gpu, const gw_buffer *buffer, uint64_t bytes, gw_
 	*view = (gw_view){ 0 };
 	GW_TRY(gw_gpu_check(gpu, error));
 	if (gw_gpu_shares_memory(gpu) && bytes <= buffer->bytes) {
+		gpu->account.downloaded_bytes += bytes;
 		view->bytes = buffer->mapped;
 		return GW_OK;
 	}
@@ -526,7 +528,9 @@ gw_status gw_edit_open(gw_gpu *gpu, gw_buffer *buffer, gw_edit *edit, gw_error *
 gw_status gw_edit_close(gw_gpu *gpu, gw_edit *edit, bool changed, gw_error *error)
 {
 	gw_status status = GW_OK;
-	if (edit->copy && changed)
+	if (edit->copy == NULL && changed && edit->buffer != NULL)
+		gpu->account.uploaded_bytes += edit->buffer->bytes;
+	else if (edit->copy != NULL && changed)
 		status = gw_buffer_upload(gpu, edit->buffer, 0, edit->copy, edit->buffer->bytes, error);
 	free(edit->copy);
 	*edit = (gw_edit){ 0 };
@@ -695,6 +699,7 @@ gw_status gw_image_download(gw_gpu *gpu, gw_image *image, void *data, uint64_t b
 	uint32_t step_z = layers == 0 ? 1 : layers < extent[2] ? (uint32_t)layers : extent[2];
 	uint32_t step_y = rows < extent[1] ? (uint32_t)rows : extent[1];
 	char *to = data;
+	gpu->account.downloaded_bytes += bytes;
 	for (uint32_t z = 0; z < extent[2]; z += step_z) {
 		uint32_t depth = extent[2] - z < step_z ? extent[2] - z : step_z;
 		for (uint32_t y = 0; y < extent[1]; y += step_y) {

@@ -191,6 +191,9 @@ void gw_gpu_go_on(gw_gpu *gpu, const gw_gpu_aside *aside)
 	gw_gpu_account *now = &gpu->account;
 	const gw_gpu_account *before = &aside->account;
 	now->dispatches += before->dispatches;
+	now->submissions += before->submissions;
+	now->uploaded_bytes += before->uploaded_bytes;
+	now->downloaded_bytes += before->downloaded_bytes;
 	now->device_seconds += before->device_seconds;
 	now->compile_seconds += before->compile_seconds;
 	now->peak_bytes = now->peak_bytes > before->peak_bytes ? now->peak_bytes : before->peak_bytes;

@@ -112,6 +112,14 @@ static void test_choice(void **state)
 
 /* -------------------------------------------------------------------------------- copies */
 
+/* What went to the device and back so far. */
+static void assert_moved(const gw_gpu *gpu, uint64_t uploaded, uint64_t downloaded)
+{
+	gw_gpu_account account = gw_gpu_read_account(gpu);
+	assert_int_equal(account.uploaded_bytes, uploaded);
+	assert_int_equal(account.downloaded_bytes, downloaded);
+}
+
 /* More than two staging buffers of 16 MiB, and not a multiple of them. */
 #define COPY_WORDS (9u * 1024 * 1024 + 13)
 
@@ -143,6 +151,7 @@ static void copy_both_ways(bool may_map)
 					 GW_ERROR_INTERNAL);
 	assert_int_equal(gw_buffer_download(gpu, &buffer, 4, got, UINT64_MAX - 3, &error),
 					 GW_ERROR_INTERNAL);
+	assert_moved(gpu, (COPY_WORDS - 6) * UINT64_C(4), COPY_WORDS * UINT64_C(8));
 	free(sent);
 	free(got);
 	gw_buffer_destroy(gpu, &buffer);
@@ -183,6 +192,8 @@ static void look_at_view(bool may_map)
 	gw_view_close(&view);
 	assert_int_not_equal(gw_view_open(gpu, &buffer, 1604, &view, &error), GW_OK);
 	gw_view_close(&view);
+	/* In place or copied, it counts the same. */
+	assert_moved(gpu, 1600, 1600);
 	gw_buffer_destroy(gpu, &buffer);
 	gw_gpu_destroy(&gpu);
 }
@@ -217,6 +228,8 @@ static void look_at_edit(bool may_map)
 		for (uint32_t i = 0; i < 400; i++)
 			assert_int_equal(got[i], scramble(i));
 	}
+	/* Opened twice, changed once, read back twice. */
+	assert_moved(gpu, sizeof(uint32_t[400]), 4 * sizeof(uint32_t[400]));
 	gw_buffer_destroy(gpu, &buffer);
 	gw_gpu_destroy(&gpu);
 }
@@ -350,6 +363,7 @@ static uint64_t run_affine(gw_gpu_options options, uint32_t each, uint64_t stora
 			fail_msg("element %u is %u, not %u", i, got[i], word[i] * 3 + i + 5);
 	gw_gpu_account account = gw_gpu_read_account(gpu);
 	assert_true(account.device_seconds > 0 && account.compile_seconds > 0);
+	assert_true(account.submissions > 0);
 	const char *first;
 	if (gw_gpu_validation_messages(gpu, &first) != 0)
 		fail_msg("%s", first);
