@@ -595,6 +595,7 @@ typedef enum gw_goal {
 	GW_GOAL_EXHAUSTED, /* nothing is left that can be refined */
 	GW_GOAL_STALLED,   /* finer settings have not lessened the error, twice in a row */
 	GW_GOAL_MEMORY,    /* finer settings do not fit into memory */
+	GW_GOAL_OUT_OF_REACH, /* what no setting lessens, edges of shadows above all, is more alone */
 	GW_GOAL_COUNT
 } gw_goal;
 

@@ -843,6 +843,7 @@ gw_status bake_report_goal(const bake_facts *f, gw_error *error)
 		[GW_GOAL_EXHAUSTED] = "nothing is left that can be refined",
 		[GW_GOAL_STALLED] = "finer settings no longer lessen it",
 		[GW_GOAL_MEMORY] = "finer settings do not fit into memory",
+		[GW_GOAL_OUT_OF_REACH] = "what finer settings cannot lessen is more than that alone",
 	};
 	const gw_report *r = &f->result->report;
 	char text[80], why[512];

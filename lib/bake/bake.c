@@ -481,7 +481,8 @@ static gw_status refine_once(bake *b, gw_error *error)
 {
 	static const gw_goal goal[] = { [GW_REFINE_NO_TIME] = GW_GOAL_TIME,
 									[GW_REFINE_EXHAUSTED] = GW_GOAL_EXHAUSTED,
-									[GW_REFINE_STALLED] = GW_GOAL_STALLED };
+									[GW_REFINE_STALLED] = GW_GOAL_STALLED,
+									[GW_REFINE_OUT_OF_REACH] = GW_GOAL_OUT_OF_REACH };
 	char why[96];
 	gw_density_wish wish;
 	gw_bake_options even = as_even(b), next;

@@ -144,19 +144,17 @@ static uint32_t rounds_in_vain(const gw_refine_state *state)
 	return vain;
 }
 
-/* Whether the error that is asked for is out of reach, as more stays whatever is paid, and what
- * else there is would hardly be missed. */
-static bool is_all_that_stays(const gw_refine_state *state)
+/* Whether more than the error that is asked for stays, whatever is paid. */
+static bool is_out_of_reach(const gw_refine_state *state)
 {
-	double stays = gw_error_floor(&state->error), wanted = (double)state->options->max_error;
-	return wanted > 0.0 && stays >= wanted && stays > HELPED * state->error.relative_rms;
+	double wanted = (double)state->options->max_error;
+	return wanted > 0.0 && gw_error_floor(&state->error) >= wanted;
 }
 
 /* Whether more rounds would be in vain; who gives nothing but time wants it used. */
 static bool would_be_in_vain(const gw_refine_state *state)
 {
-	return state->options->max_error > 0.0f &&
-		   (rounds_in_vain(state) >= VAIN_MOST || is_all_that_stays(state));
+	return state->options->max_error > 0.0f && rounds_in_vain(state) >= VAIN_MOST;
 }
 
 /* Of the square error that records can lessen, what is to be left: noise stays, or half of what is
@@ -201,15 +199,6 @@ static gw_refine_answer add_records(const gw_refine_state *state, gw_density_wis
 	return GW_REFINE_ROUND;
 }
 
-gw_refine_answer gw_refine_records(const gw_refine_state *state, gw_density_wish *wish,
-								   char why[96])
-{
-	if (would_be_in_vain(state))
-		return GW_REFINE_STALLED;
-	bool full = state->options->rays >= RAYS_MOST;
-	return is_noisy(state) && !full ? GW_REFINE_EXHAUSTED : add_records(state, wish, why);
-}
-
 /* Whether gathered light is wrong by noise more than by all else; no rays are added to these. */
 static bool is_all_noise(const gw_refine_state *state)
 {
@@ -242,6 +231,61 @@ gw_refine_answer gw_refine_gathered(const gw_refine_state *state, gw_density_wis
 	aimed.error.spread = 0.0;
 	aimed.round = NULL;
 	return add_records(&aimed, wish, why);
+}
+
+/* Whether gathered light is more wrong than all that stays. */
+static bool is_gathered_most(const gw_error_estimate *e)
+{
+	return e->gathered > gw_error_floor(e);
+}
+
+/* The error of gathered light that would hardly be missed beside what stays. */
+static float hidden_error(const gw_error_estimate *e)
+{
+	return (float)(gw_error_floor(e) * sqrt(1.0 / (HELPED * HELPED) - 1.0));
+}
+
+/* Whether noise of the rays is, which no record lessens. */
+static bool is_noise_most(const gw_error_estimate *e)
+{
+	return e->noise > gw_error_floor(e);
+}
+
+/* A target that is out of reach is not chased. While gathered light is more wrong than what stays,
+ * it is aimed at what would not be missed beside that; else it becomes as right as the quality asks
+ * for, by records no closer than those of the normal one. */
+static gw_refine_answer go_as_far_as_quality(const gw_refine_state *state, gw_density_wish *wish,
+											 char why[96])
+{
+	const gw_error_estimate *e = &state->error;
+	gw_bake_options options = *state->options;
+	gw_refine_state s = *state;
+	float normal = fminf(options.record_spacing, gw_bake_options_default().record_spacing);
+	bool gathered = is_gathered_most(e), enough = gw_error_floor(e) > HELPED * e->relative_rms;
+	if (enough || (!gathered && has_added(state) &&
+				   is_gathered_most(&state->round[state->round_count - 2].error)))
+		return GW_REFINE_OUT_OF_REACH;
+	if (is_noise_most(e))
+		return GW_REFINE_EXHAUSTED;
+	s.options = &options;
+	if (gathered)
+		options.gathered_error = hidden_error(e);
+	else
+		s.least_spacing = fmaxf(s.least_spacing, normal);
+	gw_refine_answer answer = gw_refine_gathered(&s, wish, why);
+	return answer == GW_REFINE_ROUND || answer == GW_REFINE_NO_TIME ? answer
+																	: GW_REFINE_OUT_OF_REACH;
+}
+
+gw_refine_answer gw_refine_records(const gw_refine_state *state, gw_density_wish *wish,
+								   char why[96])
+{
+	if (would_be_in_vain(state))
+		return GW_REFINE_STALLED;
+	if (is_out_of_reach(state))
+		return go_as_far_as_quality(state, wish, why);
+	bool full = state->options->rays >= RAYS_MOST;
+	return is_noisy(state) && !full ? GW_REFINE_EXHAUSTED : add_records(state, wish, why);
 }
 
 /* Noise falls with the root of the rays, the rest about as fast as the records come closer. */
@@ -304,6 +348,8 @@ gw_refine_answer gw_refine_next(const gw_refine_state *state, gw_bake_options *n
 {
 	if (would_be_in_vain(state))
 		return GW_REFINE_STALLED;
+	if (is_out_of_reach(state) && !is_noise_most(&state->error))
+		return GW_REFINE_OUT_OF_REACH;
 	growth full = possible_growth(state, wanted_growth(state, why));
 	gw_bake_options option = grown(state, full);
 	if (!differs(&option, state->options))

@@ -7,7 +7,9 @@
  * (GW_ESTIMATE: the halves of a check point's rays disagree, and so will records) asks for more
  * rays, the rest for more records, and when those stand as dense as the leaves, for narrower
  * leaves. When a round did not help, the next one attacks both; when that does not help either,
- * what is left is not a matter of settings and more work would be in vain.
+ * what is left is not a matter of settings and more work would be in vain. Edges of shadows and
+ * what else no setting lessens (gw_error_floor) may alone be more than the target: rounds go on
+ * then only until gathered light is less wrong than that.
  *
  * A bake that has none places few records where points are many, and adds some where these disagree
  * until gathered light is as right as the quality asks for: gw_refine_gathered.
@@ -31,11 +33,11 @@ typedef struct gw_refine_state {
 } gw_refine_state;
 
 typedef enum gw_refine_answer {
-	GW_REFINE_ROUND,     /* go on with *next */
-	GW_REFINE_NO_TIME,   /* even a small step would take longer than what is left */
-	GW_REFINE_EXHAUSTED, /* all settings are at their limits */
-	GW_REFINE_STALLED,   /* the last two rounds have not lessened the error, or what stays is nearly
-							all   of it */
+	GW_REFINE_ROUND,        /* go on with *next */
+	GW_REFINE_NO_TIME,      /* even a small step would take longer than what is left */
+	GW_REFINE_EXHAUSTED,    /* all settings are at their limits */
+	GW_REFINE_STALLED,      /* the last two rounds have not lessened the error */
+	GW_REFINE_OUT_OF_REACH, /* more than what is asked for stays, whatever is paid */
 } gw_refine_answer;
 
 /* What error->relative_rms plus the spread has to be under; 0 when no target is given. Whether it

@@ -117,11 +117,13 @@ const char *gw_effect_name(gw_effect_kind effect)
 
 const char *gw_goal_name(gw_goal goal)
 {
-	static const char *const name[] = {
-		[GW_GOAL_NONE] = "none",       [GW_GOAL_REACHED] = "reached",
-		[GW_GOAL_TIME] = "time",       [GW_GOAL_EXHAUSTED] = "exhausted",
-		[GW_GOAL_STALLED] = "stalled", [GW_GOAL_MEMORY] = "memory"
-	};
+	static const char *const name[] = { [GW_GOAL_NONE] = "none",
+										[GW_GOAL_REACHED] = "reached",
+										[GW_GOAL_TIME] = "time",
+										[GW_GOAL_EXHAUSTED] = "exhausted",
+										[GW_GOAL_STALLED] = "stalled",
+										[GW_GOAL_MEMORY] = "memory",
+										[GW_GOAL_OUT_OF_REACH] = "out of reach" };
 	static_assert(sizeof name / sizeof *name == GW_GOAL_COUNT, "every goal has a name");
 	assert((unsigned)goal < GW_GOAL_COUNT);
 	return name[goal];
