@@ -7,6 +7,7 @@
 #include "normals/disc_tree.h"
 #include "light/transport_layout.h"
 #include "octree/compartments.h"
+#include "octree/octree_layout.h"
 
 #include <assert.h>
 #include <math.h>
@@ -271,7 +272,7 @@ static void list_leaves(list *l, gw_octree *o, const gw_transport_numbers *n)
 	words(l, "fragments of leaves", &o->leaf_fragment, 4 * ((uint64_t)n->leaves + 1),
 		  (uint64_t)n->fragments + 1);
 	index_below(device(l, "surfels of fragments", &o->fragment_surfel, 4 * (uint64_t)n->fragments),
-				VK_FORMAT_R32_UINT, n->surfels, 0x3fffffffu, 1);
+				VK_FORMAT_R32_UINT, n->surfels, GW_FRAGMENT_SURFEL, 1);
 	scalars(l, "weights of fragments", &o->fragment_weight, 4 * (uint64_t)n->fragments);
 	device(l, "places of surfels", &o->surfel_position, surfels);
 	device(l, "normals of surfels", &o->surfel_normal, surfels);

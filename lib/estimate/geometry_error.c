@@ -14,6 +14,7 @@
 #include "light/shader_functions.h"
 #include "base/shared_math.h"
 #include "light/transport_layout.h"
+#include "octree/octree_layout.h"
 
 #include <math.h>
 #include <stdatomic.h>
@@ -105,7 +106,7 @@ static bool is_part(const check *c, uint32_t slot, uint32_t surfel)
 {
 	const uint32_t *first = c->view.first.bytes, *word = c->view.fragment.bytes;
 	for (uint32_t f = first[slot >> 1]; f < first[(slot >> 1) + 1]; f++)
-		if ((word[f] & 0x3fffffffu) == surfel)
+		if ((word[f] & GW_FRAGMENT_SURFEL) == surfel)
 			return true;
 	return false;
 }

@@ -309,7 +309,7 @@ static void add_votes(const sight *s, uint32_t leaf, const ballot *on, votes *v,
 {
 	const float *place = on->place, *normal = on->normal;
 	for (uint32_t f = s->leaf_fragment[leaf]; f < s->leaf_fragment[leaf + 1]; f++) {
-		uint32_t j = s->fragment_surfel[f] & 0x3fffffffu;
+		uint32_t j = s->fragment_surfel[f] & GW_FRAGMENT_SURFEL;
 		uint32_t label = s->known[2 * (size_t)j + (size_t)on->side];
 		if (label == GW_COMPARTMENT_UNKNOWN)
 			continue;
@@ -420,7 +420,8 @@ static void label_leaves(void *user, size_t first, size_t last, uint32_t worker)
 	for (size_t leaf = first; leaf < last; leaf++) {
 		uint32_t common[2] = { NONE, NONE };
 		for (uint32_t f = s->leaf_fragment[leaf]; f < s->leaf_fragment[leaf + 1]; f++) {
-			const uint32_t *label = s->known + 2 * (size_t)(s->fragment_surfel[f] & 0x3fffffffu);
+			const uint32_t *label =
+				s->known + 2 * (size_t)(s->fragment_surfel[f] & GW_FRAGMENT_SURFEL);
 			for (int side = 0; side < 2; side++)
 				if (label[side] != GW_COMPARTMENT_UNKNOWN)
 					common[side] =

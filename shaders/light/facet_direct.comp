@@ -5,6 +5,7 @@
  */
 #include "base/pass.glsl"
 #include "light/transport_layout.h"
+#include "octree/octree_layout.h"
 
 TEXELS(0, uint, leaf_fragment);
 TEXELS(1, uint, fragment_surfel);
@@ -31,7 +32,7 @@ void main()
 		if ((surfel >> 31) != 0u || ((surfel >> 30) & 1u) != (slot & 1u))
 			continue;
 		float weight = texelFetch(fragment_weight, int(f)).x;
-		sum += weight * vec3a(texelFetch(surfel_irradiance, int(surfel & 0x3fffffffu)));
+		sum += weight * vec3a(texelFetch(surfel_irradiance, int(surfel & GW_FRAGMENT_SURFEL)));
 		area += weight;
 	}
 	facet_direct[i] = vec4(area > 0.0f ? vec3(sum / area) : vec3(0.0f), 0.0f);

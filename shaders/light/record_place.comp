@@ -10,6 +10,7 @@
 #version 460
 
 #include "light/transport_layout.h"
+#include "octree/octree_layout.h"
 
 layout(local_size_x_id = 0) in;
 layout(binding = 0) uniform usamplerBuffer leaf_fragment;
@@ -56,7 +57,7 @@ void main()
 		uint word = texelFetch(fragment_surfel, int(f)).x;
 		if ((word >> 31) != 0u || ((word >> 30) & 1u) != (slot & 1u))
 			continue;
-		vec3 off = texelFetch(surfel_position, int(word & 0x3fffffffu)).xyz - centre;
+		vec3 off = texelFetch(surfel_position, int(word & GW_FRAGMENT_SURFEL)).xyz - centre;
 		if (dot(off, off) < nearest) {
 			nearest = dot(off, off);
 			place = centre + off - normal * dot(normal, off);

@@ -9,6 +9,7 @@
 #define OCTREE_CRESTS_GLSL
 
 #include "octree/octree_leaf.glsl"
+#include "octree/octree_layout.h"
 
 /* A place on a plane of a normal, which is that of the surface around its middle. */
 struct PlanePlace {
@@ -51,7 +52,7 @@ bool passes_crest(IN(Ray) ray, uint leaf, float t, vec3 normal, vec3 middle)
 		uint last = texelFetch(leaf_fragment, int(in_leaf) + 1).x;
 		for (uint f = texelFetch(leaf_fragment, int(in_leaf)).x; f < last; f++) {
 			uint word = texelFetch(fragment_surfel, int(f)).x;
-			int surfel = int(word & 0x3fffffffu);
+			int surfel = int(word & GW_FRAGMENT_SURFEL);
 			vec3 place = texelFetch(surfel_place, surfel).xyz, off = on.at - place;
 			float squared = dot(off, off);
 			if (word >> 31 != 0u || squared >= nearest)

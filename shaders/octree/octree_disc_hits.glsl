@@ -87,7 +87,7 @@ bool is_in_rock(uint leaf, IN(DiscPassage) passage, bool amid)
 		uint word = texelFetch(fragment_surfel, int(f)).x;
 		if (word >> 31 != 0u || stops_from_behind(2u * leaf + (word >> 30 & 1u)))
 			continue;
-		int surfel = int(word & 0x3fffffffu);
+		int surfel = int(word & GW_FRAGMENT_SURFEL);
 		vec3 place = texelFetch(surfel_place, surfel).xyz, off = passage.at - place;
 		vec3 normal = texelFetch(surfel_facing, surfel).xyz;
 		vec4 size = texelFetch(surfel_disc, surfel);
@@ -115,7 +115,8 @@ void meet_discs(IN(Ray) ray, uint leaf, vec3 cell_centre, INOUT(Doubt) doubt, IN
 		uint word = texelFetch(fragment_surfel, int(f)).x, slot = 2u * leaf + (word >> 30 & 1u);
 		DiscPassage passage;
 		if (word >> 31 != 0u || is_foliage(slot) ||
-			!passes_disc(int(word & 0x3fffffffu), ray, min(hit.t, ray.t_max - GW_NEAR), passage))
+			!passes_disc(int(word & GW_FRAGMENT_SURFEL), ray, min(hit.t, ray.t_max - GW_NEAR),
+						 passage))
 			continue;
 		bool met = abs(doubt.t - passage.t) < GW_NEAR &&
 				   lie_concave(doubt.place, doubt.normal, passage.place, passage.normal);

@@ -77,7 +77,7 @@ bool is_surrounded(uint slot, vec3 at)
 		uint word = texelFetch(fragment_surfel, int(f)).x;
 		if (!is_disc_of(slot, word))
 			continue;
-		vec3 off = texelFetch(surfel_place, int(word & 0x3fffffffu)).xyz - at;
+		vec3 off = texelFetch(surfel_place, int(word & GW_FRAGMENT_SURFEL)).xyz - at;
 		vec2 p = vec2(dot(off, t), dot(off, b));
 		for (int d = 0; d < 4; d++) {
 			float along = dot(way[d], p);
@@ -98,7 +98,8 @@ bool is_along_crease(uint slot, vec3 other, vec3 at)
 		uint word = texelFetch(fragment_surfel, int(f)).x;
 		if (!is_disc_of(slot, word))
 			continue;
-		float along = dot(crease, texelFetch(surfel_place, int(word & 0x3fffffffu)).xyz - at);
+		int surfel = int(word & GW_FRAGMENT_SURFEL);
+		float along = dot(crease, texelFetch(surfel_place, surfel).xyz - at);
 		before = before || along < 0.0f;
 		after = after || along > 0.0f;
 	}
@@ -118,7 +119,7 @@ bool is_covered(uint slot, vec3 at)
 		uint word = texelFetch(fragment_surfel, int(f)).x;
 		if (!is_disc_of(slot, word))
 			continue;
-		int vote = disc_vote(int(word & 0x3fffffffu), at, cover);
+		int vote = disc_vote(int(word & GW_FRAGMENT_SURFEL), at, cover);
 		votes += vote;
 		cut = cut || vote < 0;
 	}

@@ -17,6 +17,7 @@
 #ifndef OPACITY_GLSL
 #define OPACITY_GLSL
 
+#include "octree/octree_layout.h"
 #include "octree/ray.glsl"
 #include "octree/trace_constants.h"
 
@@ -89,7 +90,7 @@ bool lies_over_start(IN(Ray) ray, uint facet, float behind)
 	if (!stops_from_behind(facet))
 		return false;
 	uint first = texelFetch(leaf_fragment, int(facet >> 1)).x;
-	uint surfel = texelFetch(fragment_surfel, int(first)).x & 0x3fffffffu;
+	uint surfel = texelFetch(fragment_surfel, int(first)).x & GW_FRAGMENT_SURFEL;
 	float least = max(GW_OVER_CELLS, sqrt(texelFetch(surfel_disc, int(surfel)).y));
 	vec3 middle = texelFetch(facet_centre, int(facet)).xyz;
 	return behind >= least && dot(ray.facing, middle) - dot(ray.facing, ray.foot) >= least;
@@ -114,7 +115,7 @@ float walk_start()
 void pass_sheet(IN(Hit) hit)
 {
 	uint first = texelFetch(leaf_fragment, int(hit.facet >> 1)).x;
-	uint surfel = texelFetch(fragment_surfel, int(first)).x & 0x3fffffffu;
+	uint surfel = texelFetch(fragment_surfel, int(first)).x & GW_FRAGMENT_SURFEL;
 	passed_normal = texelFetch(facet_plane, int(hit.facet)).xyz;
 	float area = texelFetch(surfel_disc, int(surfel)).y;
 	passed_height = max(GW_SHEET_CELLS, GW_SHEET_SPACINGS * sqrt(area));

@@ -6,6 +6,8 @@
 #ifndef DISC_LIGHT_GLSL
 #define DISC_LIGHT_GLSL
 
+#include "octree/octree_layout.h"
+
 /* The discs of a facet at a place, blended with a weight that falls to nothing at the rim. Where
  * none reaches, all of them alike. */
 vec3 radiance_at(uint facet, vec3 at)
@@ -18,7 +20,7 @@ vec3 radiance_at(uint facet, vec3 at)
 		uint word = texelFetch(fragment_surfel, int(f)).x;
 		if ((word >> 31) != 0u || ((word >> 30) & 1u) != (facet & 1u))
 			continue;
-		int surfel = int(word & 0x3fffffffu);
+		int surfel = int(word & GW_FRAGMENT_SURFEL);
 		vec3 off = at - texelFetch(surfel_place, surfel).xyz;
 		vec3 facing = texelFetch(surfel_facing, surfel).xyz;
 		off -= facing * dot(facing, off);
