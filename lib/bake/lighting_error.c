@@ -43,6 +43,7 @@ static gw_status find_gap_error(gw_lighting *lighting, const gw_estimate_task *e
 									 .space = &s->space,
 									 .read_back = &s->read_back,
 									 .gap = lighting->gap,
+									 .rays = &s->rays,
 									 .direct = estimate->direct,
 									 .first = lighting->surfel_first,
 									 .indirect = lighting->surfel_indirect,

@@ -152,7 +152,8 @@ static gw_status see_gaps(gw_lighting *lighting, gw_error *error)
 							   .space = &s->space,
 							   .sky = lighting->plan.sky_radiance,
 							   .map = &lighting->map,
-							   .threads = s->options.threads };
+							   .threads = s->options.threads,
+							   .surfels = &s->surfels };
 	free(lighting->gap);
 	lighting->gap = NULL;
 	if (!gw_scanned_space_known(&s->space))

@@ -193,7 +193,7 @@ static gw_status close_gaps(const gw_estimate_task *task, const gw_ray_gather *r
 {
 	const gw_record_context on = { task->passes, task->octree, place };
 	const gw_bake_options *o = task->options;
-	const gw_gap_task look = { &on, rays, task->closed, task->sky, task->map, task->threads };
+	const gw_gap_task look = { &on, rays, task->closed, task->sky, task->map, task->threads, NULL };
 	const float fill[3] = { o->gap_radiance, o->gap_radiance, o->gap_radiance };
 	bool mean = o->gaps == GW_GAPS_MEAN;
 	gw_gap_sight *gap;

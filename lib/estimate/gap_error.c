@@ -5,7 +5,9 @@
 
 #include "base/luminance.h"
 #include "base/memory.h"
+#include "cloud/frame.h"
 #include "estimate/check_light.h"
+#include "estimate/emitted_ways.h"
 #include "light/direct_light.h"
 
 #include <math.h>
@@ -17,6 +19,12 @@
 /* Directions in which it is looked where a lamp's light goes. */
 #define LAMP_RAYS 2048u
 
+/* Rays from all that emits: a power of two. */
+#define EMITTER_RAYS 4096u
+
+/* So many radii around a point lies the surface that its rays leave. */
+#define OWN_RADII 2.0f
+
 #define GOLDEN_ANGLE 2.39996323f
 #define FAR_METRES 1e30f
 
@@ -27,16 +35,24 @@ typedef struct work {
 	const gw_gap_error_task *task;
 	double *mean, *square;    /* one a record: what it counts for in the mean over the points */
 	double *plain;            /* likewise, whatever the points reflect */
+	double *surface;          /* likewise, as square metres */
 	double *sent;             /* irradiance */
 	double radiance;          /* mean of the points */
 	double reflected;         /* mean reflectance */
 	double of_lamps;          /* part of radiance: lamps' light that was reflected before */
 	double of_direct, of_sky; /* sums of the points' irradiance before any reflection */
-	double shone;    /* part of radiance: of lamps and suns straight, not reflected again */
-	double contrast; /* of reflected light: root mean square over mean */
-	double lost;     /* of the light that lamps send: is as likely to be missing */
-	bool guessed;    /* gaps are holes, which may as well be windows */
-	bool sky_shines; /* through some of them, so that one of them is */
+	double of_all;            /* the mean of both together */
+	double of_emitters;       /* share of what emits in that */
+	double shone;            /* part of radiance: of lamps and suns straight, not reflected again */
+	double contrast;         /* of reflected light: root mean square over mean */
+	double lost;             /* of the light that lamps send: is as likely to be missing */
+	double lost_of_emitters; /* of the light that is emitted, likewise */
+	double glow;             /* of gaps in what emits, over the latter's */
+	double darkness;         /* what surface that is missing would send of that */
+	double *straight;        /* irradiance of the records from what emits */
+	gw_emitted_ways *emitted; /* of that; NULL: nothing emits */
+	bool guessed;             /* gaps are holes, which may as well be windows */
+	bool sky_shines;          /* through some of them, so that one of them is */
 	/* Light of suns through gaps, reflected once, and its square: means over the points. */
 	double passing, passing_square;
 } work;
@@ -70,6 +86,7 @@ static void weigh_point(work *w, size_t i)
 		uint32_t r = rows->record[e];
 		double weight = (double)rows->weight[e];
 		w->plain[r] += weight;
+		w->surface[r] += (double)t->surfels->area[i] * weight;
 		w->mean[r] += rho * weight;
 		w->square[r] += rho * rho * weight;
 	}
@@ -97,6 +114,7 @@ static void weigh(work *w)
 	w->radiance *= share;
 	w->reflected *= share;
 	w->shone *= share;
+	w->of_all = share * (w->of_direct + w->of_sky);
 	w->contrast = w->of_lamps > 0.0 ? sqrt(w->contrast / share) / w->of_lamps : 1.0;
 	if (w->of_direct > 0.0)
 		w->of_lamps *= share * w->of_direct / (w->of_direct + w->of_sky);
@@ -149,6 +167,25 @@ static double doubt_of_windows(const work *w)
 	return hypot(sqrt(part) * lost, sqrt(single) / w->radiance) / (1.0 - none * lost);
 }
 
+/* What a record would get more of emitted light were surface where there are gaps: what these emit,
+ * as that comes to it which is emitted around them, without what comes through them. */
+static double emitted_beyond(const work *w, size_t record)
+{
+	const gw_emitted_ways *e = &w->emitted[record];
+	double chance = w->sky_shines ? chance_of_none(w->task->space->holes) : 0.5;
+	double straight = reciprocal_pi * w->straight[record];
+	return straight * (sqrt(chance) * (w->glow - (double)e->gap) - (double)e->solid);
+}
+
+/* What it would get more of light that is lost now, and which part of that squared is chance: a ray
+ * or none. */
+static double darkness_at(const work *w, size_t record, double *chance)
+{
+	const gw_emitted_ways *e = &w->emitted[record];
+	*chance = w->darkness * w->darkness * (double)e->squares;
+	return w->darkness * (double)e->lost;
+}
+
 static void sum_records(const work *w, gw_gap_report *report, gw_error_estimate *estimate)
 {
 	double sky = 0.0, through = 0.0, black = 0.0, bright = 0.0, mean = 0.0, square = 0.0;
@@ -159,16 +196,20 @@ static void sum_records(const work *w, gw_gap_report *report, gw_error_estimate 
 		/* Closed as they are, gaps are known no better than to half of what closes them. */
 		double off = fmax(fabs(full - now), 0.5 * (full - rest));
 		if (w->guessed && w->task->options->gaps == GW_GAPS_OPEN)
-			off = w->sky_shines ? 0.0 : M_SQRT1_2 * (full - rest);
+			off = w->sky_shines ? 0.0 : M_SQRT1_2 * (1.0 - w->of_emitters) * (full - rest);
 		/* Panes are black now. */
 		off += M_SQRT1_2 * full * fmin((double)g->pane, SHARE_MOST);
+		off = full < now ? -off : off;
+		double chance = 0.0;
+		if (w->emitted)
+			off += emitted_beyond(w, r) + darkness_at(w, r, &chance);
 		report->share += w->plain[r] * (double)g->share;
 		sky += w->mean[r] * (double)g->all;
 		through += w->mean[r] * gw_luminance(g->sky);
 		black += w->mean[r] * (rest - now);
-		bright += w->mean[r] * (full - now);
-		mean += w->mean[r] * (full < now ? -off : off);
-		square += w->square[r] * off * off;
+		bright += w->mean[r] * (full - now + (double)g->glow);
+		mean += w->mean[r] * off;
+		square += w->square[r] * (off * off - chance);
 	}
 	double more = reflections(w) / w->radiance;
 	double missing = w->of_lamps / w->radiance * w->lost / (1.0 - w->lost);
@@ -249,16 +290,24 @@ static double add_passing(work *w, const gw_lamp *lamp, size_t lamps)
 	return sum > 0.0 ? through / sum : 0.0;
 }
 
+/* Whether what is solid lies on the way to what it meets. */
+static bool meets_solid(const work *w, const gw_way *way, const gw_check_hit *hit)
+{
+	gw_way until = *way;
+	if (hit->small != GW_NONE) {
+		const float *at = w->task->surfels->position + 3 * (size_t)hit->small;
+		until.length = gw_dot(gw_minus(gw_xyz(at), way->from), way->direction);
+	}
+	return gw_scanned_space_is_solid(w->task->space, &until, NULL);
+}
+
 /* What a ray of a lamp says about its light: how much of it should have lit something. Where only
  * one size of the discs leaves a hole, half of it. */
-static double loss_of(const work *w, const gw_check_discs *discs, const gw_way *way)
+static double loss_of(const work *w, const gw_check_ray *ray)
 {
-	const gw_check_ray ray = { .origin = way->from,
-							   .direction = way->direction,
-							   .facing = way->direction,
-							   .t_max = FAR_METRES };
-	gw_check_hit hit = gw_check_discs_trace(discs, &ray, GW_THROUGH_LEAST);
-	if (hit.passed_back_face)
+	const gw_way leaving = { ray->origin, ray->direction, INFINITY }, *way = &leaving;
+	gw_check_hit hit = gw_check_discs_trace(w->task->discs, ray, GW_THROUGH_LEAST);
+	if (hit.passed_back_face || meets_solid(w, way, &hit))
 		return 1.0;
 	if (hit.large != GW_NONE && hit.small != GW_NONE)
 		return 0.0;
@@ -271,23 +320,22 @@ static double loss_of(const work *w, const gw_check_discs *discs, const gw_way *
 }
 
 /* Adds what a lamp sends, and what of it is lost where nothing was scanned. */
-static void follow_lamp(const work *w, const gw_check_discs *discs, const gw_lamp *lamp,
-						double *sent, double *lost)
+static void follow_lamp(const work *w, const gw_lamp *lamp, double *sent, double *lost)
 {
 	const gw_octree *o = w->task->on.octree;
 	const float *low = o->cube_minimum;
 	gw_vec3 at = gw_xyz(&lamp->push.position.x);
-	gw_way way = { .length = INFINITY };
-	way.from = gw_plus((gw_vec3){ low[0], low[1], low[2] }, gw_times(at, o->leaf_size));
+	gw_check_ray ray = { .t_max = FAR_METRES };
+	ray.origin = gw_plus((gw_vec3){ low[0], low[1], low[2] }, gw_times(at, o->leaf_size));
 	for (uint32_t k = 0; k < LAMP_RAYS; k++) {
 		float z = 1.0f - (2.0f * (float)k + 1.0f) / LAMP_RAYS, r = sqrtf(1.0f - z * z), distance;
-		way.direction =
+		ray.direction = ray.facing =
 			(gw_vec3){ r * cosf(GOLDEN_ANGLE * (float)k), r * sinf(GOLDEN_ANGLE * (float)k), z };
-		const gw_check_place place = { gw_plus(at, way.direction), gw_times(way.direction, -1.0f) };
+		const gw_check_place place = { gw_plus(at, ray.direction), gw_times(ray.direction, -1.0f) };
 		gw_vec3 towards;
 		double light = gw_check_lamp_light(lamp, &place, &towards, &distance);
 		*sent += light;
-		*lost += light > 0.0 ? light * loss_of(w, discs, &way) : 0.0;
+		*lost += light > 0.0 ? light * loss_of(w, &ray) : 0.0;
 	}
 }
 
@@ -304,9 +352,95 @@ static gw_status follow_lamps(work *w, gw_error *error)
 			continue;
 		gw_lamp lamp = gw_lamp_of(&t->lights[i], t->on.octree, t->surfels, t->options);
 		if (lamp.push.type != GW_PUSH_SUN)
-			follow_lamp(w, t->discs, &lamp, &sent, &lost);
+			follow_lamp(w, &lamp, &sent, &lost);
 	}
 	w->lost = sent > 0.0 ? fmin(lost / sent, (double)SHARE_MOST) : 0.0;
+	return GW_OK;
+}
+
+static double power_of(const gw_surfels *s, size_t surfel)
+{
+	return (double)s->area[surfel] * gw_luminance(s->emission + 3 * surfel);
+}
+
+/* One of EMITTER_RAYS rays from points that emit: numbers in the order of the points, and
+ * directions as far apart as can be for numbers that follow each other (van der Corput 1935). */
+static double loss_from(const work *w, size_t surfel, uint32_t number)
+{
+	const gw_gap_error_task *t = w->task;
+	const gw_surfels *s = t->surfels;
+	uint32_t turned = 0;
+	for (uint32_t bit = 1; bit < EMITTER_RAYS; bit *= 2)
+		turned = 2 * turned + ((number & bit) != 0);
+	gw_vec3 at = gw_xyz(s->position + 3 * surfel), normal = gw_xyz(s->normal + 3 * surfel);
+	gw_check_ray ray = { .origin = at, .facing = normal, .t_max = FAR_METRES };
+	ray.own = fmaxf(OWN_RADII * s->radius[surfel], t->on.octree->leaf_size);
+	ray.direction = gw_record_ray((gw_vec3){ 0 }, normal, turned, EMITTER_RAYS, 0);
+	return loss_of(w, &ray);
+}
+
+/* Emitted light that arrives, and on which ways. */
+static gw_status look_along_emitted(work *w, gw_error *error)
+{
+	const gw_gap_error_task *t = w->task;
+	size_t count = t->on.records->count;
+	const gw_emitted_ways_task task = { t->on,   t->surfels, t->space,
+										t->rays, t->discs,   t->options->threads };
+	float *first = gw_allocate_array(count, 4 * sizeof *first);
+	w->emitted = gw_allocate_array(count, sizeof *w->emitted);
+	if (!first || !w->emitted) {
+		free(first);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu records", count);
+	}
+	gw_status status = gw_buffer_download(t->on.passes->gpu, &t->on.records->first, 0, first,
+										  16 * (uint64_t)count, error);
+	for (size_t r = 0; r < count && status == GW_OK; r++)
+		w->straight[r] = fmax(gw_luminance(first + 4 * r) - M_PI * (double)t->gap[r].all, 0.0);
+	free(first);
+	return status == GW_OK ? gw_emitted_ways_find(&task, w->emitted, error) : status;
+}
+
+/*
+ * Of emitted light, how much gaps would add and how much of it is lost in them.
+ *
+ * What is lost would be reflected by the surface that is missing, and be seen by the records whose
+ * rays pass there: as much of it in all as is reflected of the rest. What they see of it is the
+ * more the fewer they are.
+ */
+static void find_missing(work *w)
+{
+	double seen = 0.0, glow = 0.0, straight = 0.0, arrives = 0.0, lost = w->lost_of_emitters;
+	for (size_t r = 0; r < w->task->on.records->count; r++) {
+		seen += w->surface[r] * (double)w->emitted[r].lost;
+		glow += w->surface[r] * (double)w->task->gap[r].glow;
+		straight += reciprocal_pi * w->surface[r] * w->straight[r];
+		arrives += w->plain[r] * w->straight[r];
+	}
+	w->of_emitters = arrives > 0.0 ? fmin(arrives / w->of_all, 1.0) : 0.0;
+	w->glow = straight > 0.0 ? glow / straight : 0.0;
+	w->darkness = seen > 0.0 ? w->reflected * straight * lost / (1.0 - lost) / seen : 0.0;
+}
+
+/* The same of what emits. */
+static gw_status follow_emitters(work *w, gw_error *error)
+{
+	const gw_gap_error_task *t = w->task;
+	const gw_surfels *s = t->surfels;
+	double power = 0.0, passed = 0.0, lost = 0.0;
+	uint32_t number = 0;
+	if (!gw_surfels_emit(s) || !w->guessed)
+		return GW_OK;
+	GW_TRY(gw_check_discs_open(t->on.passes->gpu, t->on.octree, s, t->discs, error));
+	for (size_t i = 0; i < s->count; i++)
+		power += power_of(s, i);
+	for (size_t i = 0; i < s->count; i++) {
+		passed += power_of(s, i);
+		for (; number < EMITTER_RAYS && (number + 0.5) * power < passed * EMITTER_RAYS; number++)
+			lost += loss_from(w, i, number);
+	}
+	w->lost_of_emitters = fmin(lost / EMITTER_RAYS, (double)SHARE_MOST);
+	GW_TRY(look_along_emitted(w, error));
+	find_missing(w);
 	return GW_OK;
 }
 
@@ -341,7 +475,7 @@ gw_status gw_gap_error(const gw_gap_error_task *task, gw_gap_report *report,
 	size_t count = task->on.records->count;
 	report->black = report->bright = 1.0;
 	report->share = report->sky = report->lamps = 0.0;
-	double *room = gw_allocate_zeros(count, 4 * sizeof *room);
+	double *room = gw_allocate_zeros(count, 6 * sizeof *room);
 	if (!room)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu records", count);
 	work w = { .task = task,
@@ -349,6 +483,8 @@ gw_status gw_gap_error(const gw_gap_error_task *task, gw_gap_report *report,
 			   .square = room + count,
 			   .plain = room + 2 * count,
 			   .sent = room + 3 * count,
+			   .straight = room + 4 * count,
+			   .surface = room + 5 * count,
 			   .guessed = task->space->scanners == 0 };
 	for (size_t r = 0; r < count; r++)
 		w.sky_shines = w.sky_shines || task->gap[r].all > 0.0f;
@@ -358,12 +494,15 @@ gw_status gw_gap_error(const gw_gap_error_task *task, gw_gap_report *report,
 		status = follow_lamps(&w, error);
 	}
 	if (status == GW_OK)
+		status = follow_emitters(&w, error);
+	if (status == GW_OK)
 		status = look_at_lamps(&w, report, error);
 	if (status == GW_OK && w.radiance > 0.0)
 		sum_records(&w, report, estimate);
 	if (status == GW_OK)
 		take_lamps_off(&w, report);
 	estimate->relative_rms = hypot(estimate->relative_rms, estimate->gaps);
+	free(w.emitted);
 	free(room);
 	return status;
 }

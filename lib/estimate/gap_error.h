@@ -16,6 +16,13 @@
  * probability of (1/2 - 2^-k) / (1 - 2^-k), and then what comes through it, from sky, lamps and
  * suns, should not be there.
  *
+ * What emits is a surface with holes of its own, and where no scanner is known its light is looked
+ * at by itself. A hole in it may emit as its rim does. Light that comes to records through holes,
+ * or through what is solid between surfaces that turn their backs to each other (solid_cells.h),
+ * would not if surface was there; what enters there is lost, and would be reflected to where
+ * records look through it (emitted_ways.h). Of holes that is as likely so as not; of solids it is
+ * sure.
+ *
  * What a lamp sends to such places is missing in all that is reflected. No point would tell, so
  * rays go out from the lamps, through the points' discs (check_discs.h).
  */
@@ -33,6 +40,7 @@ typedef struct gw_gap_error_task {
 	const gw_scanned_space *space;
 	const gw_read_back *read_back;
 	const gw_gap_sight *gap;       /* one a record */
+	const gw_ray_gather *rays;     /* theirs */
 	const float *direct;           /* 4 a surfel, irradiance from lamps, or NULL */
 	const float *first, *indirect; /* 4 a surfel: gathered irradiance */
 	const gw_light *lights;        /* light_count */

@@ -5,6 +5,7 @@
 
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "cloud/frame.h"
 #include "base/shared_math.h"
 #include "light/shader_functions.h"
 #include "light/transport_layout.h"
@@ -21,9 +22,17 @@
 typedef struct work {
 	const gw_gap_task *task;
 	gw_view position, normal, hit, texel;
+	float *glow; /* NULL unless surfels emit; one a hole */
 	gw_gap_sight *gap;
 	atomic_bool stopped;
 } work;
+
+/* What a hole that the way passes would send along it. */
+static float glow_of(const work *w, const gw_way *way)
+{
+	uint32_t hole = w->glow ? gw_scanned_space_hole(w->task->space, way, NULL) : GW_NO_HOLE;
+	return hole != GW_NO_HOLE ? w->glow[hole] : 0.0f;
+}
 
 static void look_through(const work *w, size_t record)
 {
@@ -53,6 +62,7 @@ static void look_through(const work *w, size_t record)
 		for (int c = 0; c < 3; c++)
 			sum->sky[c] += share * radiance[c];
 		sum->share += share;
+		sum->glow += share * glow_of(w, &way);
 	}
 }
 
@@ -66,6 +76,31 @@ static void look_through_all(void *user, size_t first, size_t last, uint32_t wor
 			return;
 		look_through(w, i);
 	}
+}
+
+/* A hole emits what the points along its rim do, each for the part of it that is about as long as
+ * its disc is wide. */
+static gw_status find_glow(work *w, gw_error *error)
+{
+	const gw_surfels *s = w->task->surfels;
+	size_t holes = w->task->space->holes;
+	float *length = gw_allocate_zeros(holes, sizeof *length);
+	w->glow = gw_allocate_zeros(holes, sizeof *w->glow);
+	if (!length || !w->glow) {
+		free(length);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu holes", holes);
+	}
+	for (size_t i = 0; i < s->count; i++) {
+		uint32_t hole = gw_scanned_space_rim(w->task->space, s->position + 3 * i);
+		if (hole == GW_NO_HOLE)
+			continue;
+		length[hole] += s->radius[i];
+		w->glow[hole] += s->radius[i] * gw_luminance_of(gw_xyz(s->emission + 3 * i));
+	}
+	for (size_t hole = 0; hole < holes; hole++)
+		w->glow[hole] /= length[hole] > 0.0f ? length[hole] : 1.0f;
+	free(length);
+	return GW_OK;
 }
 
 static gw_status open_views(work *w, gw_error *error)
@@ -87,6 +122,8 @@ static gw_status look_from_records(work *w, gw_error *error)
 {
 	size_t count = w->task->on->records->count;
 	GW_TRY(open_views(w, error));
+	if (w->task->surfels && gw_surfels_emit(w->task->surfels))
+		GW_TRY(find_glow(w, error));
 	w->gap = gw_allocate_zeros(count, sizeof *w->gap);
 	if (!w->gap)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu records", count);
@@ -105,6 +142,7 @@ gw_status gw_gap_light_find(const gw_gap_task *task, gw_gap_sight **gap, gw_erro
 	gw_view_close(&w.normal);
 	gw_view_close(&w.hit);
 	gw_view_close(&w.texel);
+	free(w.glow);
 	if (status == GW_OK)
 		*gap = w.gap;
 	else

@@ -14,6 +14,7 @@ typedef struct gw_gap_task {
 	const float *sky;      /* 3, radiance of the environment */
 	const gw_sky_map *map; /* of it, or NULL */
 	uint32_t threads;
+	const gw_surfels *surfels; /* NULL, or those that emit: what of their light hangs on gaps */
 } gw_gap_task;
 
 /* What a record sees through gaps, as means over all of its rays. */
@@ -23,6 +24,8 @@ typedef struct gw_gap_sight {
 	float all;    /* luminance of all that it sees of the sky, through gaps or not */
 	float pane;   /* share of its rays that leave through panes where the sky is black: a window, or
 					 a surface that sent no beam back */
+	float glow; /* where surfels were given: luminance of what holes would emit if they did as what
+				   is around them does */
 } gw_gap_sight;
 
 /* Finds how much of what the records see lies behind gaps.

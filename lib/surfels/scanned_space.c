@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "normals/scanner_sight.h"
 #include "base/parallel.h"
+#include "base/sorted_keys.h"
 #include "base/shared_math.h"
 
 #include <math.h>
@@ -430,6 +431,7 @@ gw_status gw_scanned_space_make(const gw_points *points, const gw_surfels *surfe
 void gw_scanned_space_clear(gw_scanned_space *space)
 {
 	free(space->state);
+	free(space->hole_cell);
 	*space = (gw_scanned_space){ .scanners = 0 };
 }
 
@@ -472,13 +474,13 @@ static void find_stretch(const gw_scanned_space *space, const gw_way *way, float
 	}
 }
 
-/* Whether a way passes a hole. One that leaves the scene may pass its boundary, and one that ends
- * is looked at but for its ends, which may lie beside a hole. */
-static bool passes_hole(const gw_scanned_space *space, const gw_way *way)
+/* Where a way passes a hole. One that leaves the scene may pass its boundary, and one that ends is
+ * looked at but for its ends, which may lie beside a hole. */
+static bool find_hole(const gw_scanned_space *space, const gw_way *way, uint32_t at[3],
+					  float *along)
 {
 	bool leaves = !isfinite(way->length);
 	float margin = (leaves ? 1.0f : HOLE_MARGIN) * space->cell;
-	uint32_t at[3];
 	float from, to;
 	find_stretch(space, way, &from, &to);
 	for (float t = margin; t <= to && (leaves || t < way->length - margin);
@@ -489,16 +491,72 @@ static bool passes_hole(const gw_scanned_space *space, const gw_way *way)
 		if (!gw_scanned_space_cell(space, (const float[]){ place.x, place.y, place.z }, at))
 			break;
 		uint8_t state = space->state[cell_at(space, at)];
+		*along = t;
 		if (state == GW_SPACE_HOLE || (leaves && state == GW_SPACE_BOUNDARY))
 			return true;
 	}
 	return false;
 }
 
+/* The hole that a cell is of or, of its boundary, one that it is beside. */
+static uint32_t hole_at(const gw_scanned_space *space, const uint32_t at[3])
+{
+	for (uint32_t k = 0; k < 27; k++) {
+		uint32_t turn = (k + 13) % 27; /* its own is the first */
+		const uint32_t beside[3] = { at[0] + turn % 3 - 1, at[1] + turn / 3 % 3 - 1,
+									 at[2] + turn / 9 - 1 };
+		if (beside[0] >= space->cells[0] || beside[1] >= space->cells[1] ||
+			beside[2] >= space->cells[2])
+			continue;
+		uint64_t cell = cell_at(space, beside);
+		size_t found = gw_lower_bound(space->hole_cell, space->hole_cells, cell << 32);
+		if (found < space->hole_cells && space->hole_cell[found] >> 32 == cell)
+			return (uint32_t)space->hole_cell[found];
+	}
+	return GW_NO_HOLE;
+}
+
+uint32_t gw_scanned_space_hole(const gw_scanned_space *space, const gw_way *way, float *where)
+{
+	uint32_t at[3];
+	float along;
+	bool passes = space->scanners == 0 && space->holes > 0 && find_hole(space, way, at, &along);
+	if (passes && where)
+		*where = along;
+	return passes ? hole_at(space, at) : GW_NO_HOLE;
+}
+
+bool gw_scanned_space_is_solid(const gw_scanned_space *space, const gw_way *way, float *where)
+{
+	uint32_t at[3], solid = 0;
+	for (float t = space->cell; space->solid && t < way->length; t += STEP * space->cell) {
+		gw_vec3 place = gw_plus(way->from, gw_times(way->direction, t));
+		if (!gw_scanned_space_cell(space, (const float[]){ place.x, place.y, place.z }, at))
+			break;
+		solid = space->state[cell_at(space, at)] == GW_SPACE_SOLID ? solid + 1 : 0;
+		if (solid < UNKNOWN_STEPS)
+			continue;
+		if (where)
+			*where = t - STEP * (float)(UNKNOWN_STEPS - 1) * space->cell;
+		return true;
+	}
+	return false;
+}
+
+uint32_t gw_scanned_space_rim(const gw_scanned_space *space, const float place[3])
+{
+	uint32_t at[3];
+	bool within = space->holes > 0 && gw_scanned_space_cell(space, place, at) &&
+				  space->state[cell_at(space, at)] == GW_SPACE_BOUNDARY;
+	return within ? hole_at(space, at) : GW_NO_HOLE;
+}
+
 bool gw_scanned_space_is_gap(const gw_scanned_space *space, const gw_way *way)
 {
+	uint32_t at[3];
+	float along;
 	if (space->scanners == 0)
-		return space->holes > 0 && passes_hole(space, way);
+		return space->holes > 0 && find_hole(space, way, at, &along);
 	way_end end = follow(space, way);
 	return isfinite(way->length) ? end.passed : end.now == UNKNOWN && end.known == FREE;
 }

@@ -41,7 +41,8 @@ enum {
 	GW_SPACE_OPEN,
 	GW_SPACE_SURFACE,
 	GW_SPACE_HOLE,
-	GW_SPACE_BOUNDARY /* a surface's cell beside a hole */
+	GW_SPACE_BOUNDARY, /* a surface's cell beside a hole */
+	GW_SPACE_SOLID     /* between backs of surfaces (solid_cells.h) */
 };
 
 typedef struct gw_scanned_space {
@@ -56,6 +57,9 @@ typedef struct gw_scanned_space {
 	uint32_t holes;
 	float hole_width, hole_place[3];
 	float holes_low[3], holes_high[3]; /* around all of them, metres likewise */
+	bool solid;                        /* some cells are */
+	uint64_t *hole_cell; /* hole_cells, ascending: a cell of one, shifted by 32 bits, and which */
+	size_t hole_cells;
 } gw_scanned_space;
 
 /* Makes the grid around surfels, so many cells along its longest side or fewer of that width, all
@@ -101,6 +105,18 @@ typedef struct gw_way {
 /* Whether light along it comes through a gap. Of a way that ends, whether two cells of it in a row
  * or more are unknown. Where no scanner is known: whether it passes a hole of the surface. */
 bool gw_scanned_space_is_gap(const gw_scanned_space *space, const gw_way *way);
+
+/* Which hole a way passes, or whose boundary, where no scanner is known; GW_NO_HOLE for none.
+ * where: NULL, or how far along it. */
+#define GW_NO_HOLE UINT32_MAX
+uint32_t gw_scanned_space_hole(const gw_scanned_space *space, const gw_way *way, float *where);
+
+/* Whether a way leads through something solid, two cells of it in a row or more, where no scanner
+ * is known: there surface is missing. where: NULL, or how far along it they begin. */
+bool gw_scanned_space_is_solid(const gw_scanned_space *space, const gw_way *way, float *where);
+
+/* Whose boundary a place is on, metres in the surfels' frame; GW_NO_HOLE for none. */
+uint32_t gw_scanned_space_rim(const gw_scanned_space *space, const float place[3]);
 
 /* Whether light along a way that leaves the scene, by no gap, comes through a pane; in a closed
  * scene, also through what is too narrow for the cells of directions to tell. */

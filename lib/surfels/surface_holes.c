@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/shared_math.h"
+#include "surfels/solid_cells.h"
 
 #include <math.h>
 #include <stdatomic.h>
@@ -652,7 +653,7 @@ static hole measure(const gw_scanned_space *space, const uint32_t *cell, size_t 
 	return h;
 }
 
-/* Counts a hole, and extends what all are in; one of too few cells is none. */
+/* Counts a hole, lists its cells and extends what all are in; one of too few cells is none. */
 static void count_hole(gw_scanned_space *space, const hole *h, extent *all)
 {
 	if (h->cells < HOLE_CELLS || h->width < BOUNDARY_CELLS * space->cell) {
@@ -663,12 +664,19 @@ static void count_hole(gw_scanned_space *space, const hole *h, extent *all)
 	for (size_t i = 0; i < h->cells; i++) {
 		go_around(space, h->cell[i], make_boundary, NULL, 0);
 		extend(all, middle_of(space, h->cell[i]));
+		space->hole_cell[space->hole_cells++] = (uint64_t)h->cell[i] << 32 | space->holes;
 	}
 	space->holes++;
 	if (h->width <= space->hole_width)
 		return;
 	space->hole_width = h->width;
 	memcpy(space->hole_place, &h->middle, sizeof space->hole_place);
+}
+
+static int compare_cells(const void *a, const void *b)
+{
+	uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+	return (x > y) - (x < y);
 }
 
 /* Puts the holes' cells on a stack, one hole after the other. */
@@ -687,7 +695,9 @@ static bool count_holes(const work *w)
 			seen += own;
 		}
 	uint32_t *stack = gw_allocate_array(seen + 1, sizeof *stack);
-	for (size_t c = 0; c < w->cells && stack; c++) {
+	space->hole_cell = gw_allocate_array(seen + 1, sizeof *space->hole_cell);
+	bool made = stack && space->hole_cell;
+	for (size_t c = 0; c < w->cells && made; c++) {
 		size_t top = push_hole(space, c, stack, 0);
 		for (size_t i = 0; i < top; i++)
 			top = go_around(space, stack[i], push_hole, stack, top);
@@ -696,10 +706,11 @@ static bool count_holes(const work *w)
 		hole h = measure(space, stack, top);
 		count_hole(space, &h, &all);
 	}
+	if (made)
+		qsort(space->hole_cell, space->hole_cells, sizeof *space->hole_cell, compare_cells);
 	widen(&all, 2.0f * space->cell); /* their boundaries are beside them */
 	memcpy(space->holes_low, &all.low, sizeof all.low);
 	memcpy(space->holes_high, &all.high, sizeof all.high);
-	bool made = stack != NULL;
 	free(stack);
 	return made;
 }
@@ -738,9 +749,12 @@ gw_status gw_surface_holes_find(const gw_surfels *surfels, uint32_t threads,
 	free(w.way);
 	free(w.place);
 	free(w.seen);
-	if (!made || !gw_scanned_space_known(space))
+	gw_status status = made ? GW_OK
+							: gw_fail(error, GW_ERROR_MEMORY,
+									  "no memory for the holes of %zu surfels", surfels->count);
+	if (status == GW_OK && space->holes > 0)
+		status = gw_solid_cells_mark(surfels, space, error);
+	if (status != GW_OK || !gw_scanned_space_known(space))
 		gw_scanned_space_clear(space);
-	return made ? GW_OK
-				: gw_fail(error, GW_ERROR_MEMORY, "no memory for the holes of %zu surfels",
-						  surfels->count);
+	return status;
 }

@@ -22,6 +22,7 @@
 
 /*
  * Finds the holes, and marks in a grid where they are.
+ * Where there are some, it also marks what is solid (solid_cells.h).
  *   space   empty; on success to be cleared by the caller, and empty where there is no hole
  * The result does not depend on threads. GW_ERROR_MEMORY.
  */
