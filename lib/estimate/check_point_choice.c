@@ -16,6 +16,10 @@
 #define CLIPPINGS 40
 #define CLIPPED_LAST 0.98
 
+/* Draws that are left over by no more than this factor are none: sums of as many doubles as there
+ * are points, at most 2^32, are off by less. */
+#define ROUNDING (1.0 + 0x1p-20)
+
 /* Of a point for which one record speaks, as in record_density.c. */
 #define LONELY_SHARE 0.25
 
@@ -43,13 +47,14 @@ static double sum_clipped(const bool *counts, const double *part, size_t points,
 	return sum;
 }
 
-/* Adds a part's share to the probabilities, which then sum to 1 more; false where it is all 0. */
-static bool add_part(const bool *counts, const double *part, size_t points, uint32_t wanted,
-					 double *probability)
+/* Adds a part's share to the probabilities, of no point more than that it is drawn once. Returns by
+ * how much they sum to more then: 1, or less where the part is of fewer points than are wanted. */
+static double add_part(const bool *counts, const double *part, size_t points, uint32_t wanted,
+					   double *probability)
 {
-	double most = INFINITY, before, sum = sum_clipped(counts, part, points, most);
+	double most = INFINITY, before, sum = sum_clipped(counts, part, points, most), added = 0.0;
 	if (!(sum > 0.0) || !isfinite(sum))
-		return false;
+		return 0.0;
 	/* What is cut off makes the sum less, and with it what a point may have. */
 	for (int i = 0; i < CLIPPINGS; i++) {
 		before = sum;
@@ -58,9 +63,31 @@ static bool add_part(const bool *counts, const double *part, size_t points, uint
 		if (sum > CLIPPED_LAST * before)
 			break;
 	}
-	for (size_t i = 0; i < points; i++)
-		probability[i] += counts[i] ? fmin(part[i], most) / sum : 0.0;
-	return true;
+	for (size_t i = 0; i < points; i++) {
+		double share = counts[i] ? fmin(fmin(part[i], most) / sum, 1.0 / wanted) : 0.0;
+		probability[i] += share;
+		added += share;
+	}
+	return added;
+}
+
+/* Of how often points are to be drawn, leaves none above once, and gives what is left to others,
+ * which may bring some of these to be drawn for sure. */
+static void share_draws(double *times, size_t points, uint32_t wanted)
+{
+	for (;;) {
+		double rest = 0.0, left = wanted;
+		for (size_t i = 0; i < points; i++) {
+			bool sure = times[i] >= 1.0;
+			times[i] = sure ? 1.0 : times[i];
+			rest += sure ? 0.0 : times[i];
+			left -= sure ? 1.0 : 0.0;
+		}
+		if (!(rest > 0.0) || left <= ROUNDING * rest)
+			return;
+		for (size_t i = 0; i < points; i++)
+			times[i] *= times[i] < 1.0 ? left / rest : 1.0;
+	}
 }
 
 typedef struct candidate {
@@ -153,14 +180,16 @@ gw_status gw_check_point_choose(const gw_check_point_shares *shares, uint32_t wa
 	for (size_t i = 0; i < points; i++)
 		probability[i] = counts[i] ? 1.0 / (double)counted : 0.0;
 	for (size_t k = 0; k < shares->part_count; k++)
-		whole += add_part(counts, shares->part[k], points, wanted, probability) ? 1.0 : 0.0;
+		whole += add_part(counts, shares->part[k], points, wanted, probability);
 	for (size_t i = 0; i < points; i++)
 		probability[i] *= wanted / whole;
 	bool drawn = counted > wanted;
-	if (!drawn)
-		take_all(counts, points, counted, choice);
-	else
+	if (drawn) {
+		share_draws(probability, points, wanted);
 		drawn = draw(probability, points, counted, wanted, seed, choice);
+	} else {
+		take_all(counts, points, counted, choice);
+	}
 	free(probability);
 	if (drawn || counted <= wanted)
 		return GW_OK;

@@ -32,7 +32,8 @@ typedef struct gw_check_point_shares {
 	const bool *counts;        /* one a point: the others are never drawn */
 	const double *const *part; /* part_count arrays of `points` numbers, at least 0, of any unit
 								  each; each gets as much of the draws as the even part does. Of a
-								  part no point has more than what makes it be drawn about once */
+								  part no point has more than what makes it be drawn about once:
+								  what a part of a few points can't take falls to the others */
 	size_t part_count;
 } gw_check_point_shares;
 

@@ -122,14 +122,17 @@ static void plain_surface_is_not_doubted(void **state)
 	scene_clear(&s);
 }
 
-/* 60 points within 0.2 m, of no surface, in a room of 3456, bare: those are lit from both sides. By
- * how much they may be off is known from nearly all of them, not from the seven or so that are
- * among 384 drawn evenly, which would be uncertain by 1 / (2 sqrt(7)) = 0.19 at least. How much it
- * is hangs on where the points happen to lie: .012 to .22 in twelve rooms. */
+/* 60 points within 0.2 m, of no surface, in a room of 3456, bare: they are lit from both sides.
+ * What they may be off by is known whichever points are drawn, since each of them is, and counts as
+ * the one point that it is: the seeds' answers differ by no more than three times what both say
+ * that they are uncertain by. Where they counted as less, and the others as more, for what draws
+ * they could not take, seeds stated .013 and .22, +- .005. */
 static void few_points_of_no_side_are_asked(void **state)
 {
 	(void)state;
 	const gw_light lamp = scene_point_light(1.3, 0.5, 1.5, 2.0f);
+	const uint32_t seeds[] = { 2, 6, 8 };
+	double first = 0.0, uncertain = 0.0;
 	gw_bake_options options = gw_bake_options_default();
 	scene s = { 0 };
 	scene_add_box(&s, (double[3]){ 0, 0, 0 }, (double[3]){ 2, 2, 2 }, 12, 0.6f);
@@ -141,12 +144,19 @@ static void few_points_of_no_side_are_asked(void **state)
 	gw_points points = scene_points(&s);
 	points.normal = NULL;
 	options.rays = 16;
-	gw_bake_result *r = scene_bake(&points, &lamp, 1, &options);
-	const gw_error_estimate *e = &r->report.error;
-	print_message("60 points of no side: stated for sides %.4f +- %.4f\n", e->sides, e->spread);
-	assert_true(e->sides > 0.0);
-	assert_true(e->spread < 0.15 * e->sides);
-	gw_bake_result_destroy(&r);
+	for (size_t k = 0; k < sizeof seeds / sizeof *seeds; k++) {
+		options.seed = seeds[k];
+		gw_bake_result *r = scene_bake(&points, &lamp, 1, &options);
+		const gw_error_estimate *e = &r->report.error;
+		print_message("60 points of no side: stated for sides %.4f +- %.4f\n", e->sides, e->spread);
+		assert_true(e->sides > 0.0);
+		if (k == 0) {
+			first = e->sides;
+			uncertain = e->spread;
+		}
+		assert_true(fabs(e->sides - first) <= 3.0 * hypot(e->spread, uncertain));
+		gw_bake_result_destroy(&r);
+	}
 	scene_clear(&s);
 }
 

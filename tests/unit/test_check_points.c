@@ -181,6 +181,41 @@ static void one_point_is_not_all(void **state)
 	gw_check_point_choice_clear(&c);
 }
 
+/* A part of fewer points than draws: none of them counts for more than one draw, so that each is
+ * drawn with a probability of at least 1 / (1 + few / draws), and counts by its inverse. What draws
+ * they can't take are the others': the mean of a value that is 1 everywhere is 1, as both draw
+ * evenly, but for one or two that rounding takes, of hundreds. */
+static void few_points_leave_the_rest(void **state)
+{
+	(void)state;
+	enum { COUNT = 100000, WANTED = 768 };
+	static bool counts[COUNT];
+	static double part[COUNT];
+	memset(counts, true, sizeof counts);
+	for (size_t few = 1; few <= 100; few *= 10) {
+		double sum = 0.0, most = 1.0 + (double)few / WANTED;
+		size_t drawn = 0;
+		for (size_t i = 0; i < few; i++)
+			part[COUNT / 2 + 17 * i] = 0.5 + (double)i;
+		gw_check_point_choice c;
+		gw_error error;
+		const gw_check_point_shares shares = { COUNT, counts, (const double *const[]){ part }, 1 };
+		assert_int_equal(gw_check_point_choose(&shares, WANTED, 9, &c, &error), GW_OK);
+		assert_int_equal(c.count, WANTED);
+		for (uint32_t i = 0; i < c.count; i++) {
+			double points = c.weight[i] * COUNT;
+			sum += c.weight[i];
+			if (part[c.point[i]] > 0.0) {
+				assert_true(points >= 1.0 && points <= most);
+				drawn++;
+			}
+		}
+		assert_true((double)drawn > (double)few / most - 2.0);
+		assert_true(fabs(sum - 1.0) < 3.0 / (WANTED - 100));
+		gw_check_point_choice_clear(&c);
+	}
+}
+
 /* A floor along x in Morton order, dark before its middle: light changes there and nowhere else. */
 static void contrast_is_where_light_changes(void **state)
 {
@@ -234,6 +269,7 @@ int main(void)
 		cmocka_unit_test(known_errors_need_no_luck),
 		cmocka_unit_test(few_points_are_all_taken),
 		cmocka_unit_test(one_point_is_not_all),
+		cmocka_unit_test(few_points_leave_the_rest),
 		cmocka_unit_test(contrast_is_where_light_changes),
 		cmocka_unit_test(fine_bakes_draw_more),
 	};
