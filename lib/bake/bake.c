@@ -274,8 +274,9 @@ static bool needs_records(const bake *b)
 /* A transport has records, whatever this light calls for. */
 static bool needs_places(const bake *b)
 {
-	return !has_transport(b) && (b->light.plan.records || keeps_transport(b) ||
-								 b->scene.options.volume || gw_options_openness(&b->scene.options));
+	return !has_transport(b) &&
+		   (b->light.plan.records || keeps_transport(b) || b->scene.options.volume ||
+			gw_options_occlusion(&b->scene.options));
 }
 
 static bool needs_estimate(const bake *b)

@@ -91,14 +91,14 @@ static gw_status check_effects(const gw_bake_options *o, gw_error *error)
 	return GW_OK;
 }
 
-bool gw_options_openness(const gw_bake_options *o)
+bool gw_options_occlusion(const gw_bake_options *o)
 {
 	return o->ambient_occlusion || o->bent_normals;
 }
 
 bool gw_options_record_fields(const gw_bake_options *o)
 {
-	return gw_options_openness(o) || o->errors || o->unknown;
+	return gw_options_occlusion(o) || o->errors || o->unknown;
 }
 
 static gw_status check_volume(const gw_bake_options *o, gw_error *error)

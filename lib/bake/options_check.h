@@ -26,7 +26,7 @@ bool gw_options_refine(const gw_bake_options *options);
 float gw_options_bounce_tolerance(const gw_bake_options *options);
 
 /* Whether they ask which directions are open, and for anything that record_fields.h collects. */
-bool gw_options_openness(const gw_bake_options *options);
+bool gw_options_occlusion(const gw_bake_options *options);
 bool gw_options_record_fields(const gw_bake_options *options);
 
 /* Whether records may be few at first: those that are missing are found by an estimate of the

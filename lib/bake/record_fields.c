@@ -176,7 +176,8 @@ static gw_status find_bent_normals(const open_rays *r, float **points, gw_error 
 	return status;
 }
 
-static gw_status find_openness(const gw_lighting *lighting, gw_bake_result *result, gw_error *error)
+static gw_status find_occlusion(const gw_lighting *lighting, gw_bake_result *result,
+								gw_error *error)
 {
 	const gw_scene *s = lighting->scene;
 	const bool ambient = s->options.ambient_occlusion, bent = s->options.bent_normals;
@@ -237,8 +238,8 @@ gw_status gw_record_fields_collect(gw_lighting *lighting, gw_bake_result *result
 {
 	const gw_bake_options *o = &lighting->scene->options;
 	GW_TRY(gw_lighting_choose_sides(lighting, error));
-	if (gw_options_openness(o))
-		GW_TRY(find_openness(lighting, result, error));
+	if (gw_options_occlusion(o))
+		GW_TRY(find_occlusion(lighting, result, error));
 	if (o->unknown)
 		GW_TRY(find_unknown(lighting, &result->unknown, error));
 	if (o->errors)
