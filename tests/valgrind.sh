@@ -116,7 +116,7 @@ run 'bake glow' bake cornell.ply -o cornell.lit.ply $quick --estimate-points 8
 run 'bake opacity' bake clear.csv -o clear.ply --light "$lamp" --light 'sky radiance 1' $quick \
 	--estimate-points 8
 run 'bake ies' bake cube.csv -o ies.ply --light 'point at 0,0,0 ies lamp.ies to 0,0,-1' $quick \
-	--estimate-points 0
+	--estimate-points 0 --fields illuminance
 run 'bake portals' bake open.csv -o portals.ply --light 'sky radiance 1' $quick --estimate-points 8
 run 'bake map' bake open.csv -o map.ply --light 'sky map sky.hdr rotation 30' $quick \
 	--estimate-points 8
@@ -132,7 +132,7 @@ if [ -e lit.ply ]; then
 	run measure measure lit.ply
 	run 'render points' render lit.ply -o out.png --size 32x24 -f
 	run 'render exr' render lit.ply -o out.exr --size 32x24 --view direct -f
-	run 'render lux' render lit.ply -o out.png --size 32x24 --view illuminance --false-colour -f
+	run 'render lux' render ies.ply -o out.png --size 32x24 --view illuminance --false-colour -f
 	run 'render mesh' render lit.ply --mesh floor.obj -o out.png --size 32x24 -f
 	run 'render octree' render cube.csv -o out.png --size 32x24 --view cells:2 -f
 fi
