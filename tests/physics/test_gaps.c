@@ -615,6 +615,7 @@ static double off_by_missing(const scene *whole, keep_point *keep, keep_point *a
 	print_message("%u holes: %.3f off, stated for gaps %.3f, %.3f where all is there\n",
 				  found->report.gaps.holes, sqrt(squares * count) / sum, *stated,
 				  right->report.error.gaps);
+	/* A hundredth of its square. */
 	assert_true(right->report.error.gaps < 0.1 * *stated);
 	gw_bake_result_destroy(&found);
 	gw_bake_result_destroy(&right);
@@ -645,6 +646,8 @@ static void a_block_without_a_lid(void **state)
 	double stated;
 	make_room_with_block(&whole);
 	double off = off_by_missing(&whole, is_seen_from_the_door, is_seen_around, &stated);
+	/* What is missing is certain here, and how bright it would be is not: the factor within which
+	 * stated errors of scans are to be. */
 	assert_true(stated > off / 1.5 && stated < off * 1.5);
 	scene_clear(&whole);
 }
