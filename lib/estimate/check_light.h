@@ -8,6 +8,8 @@
 #include "light/gather_rays.h"
 #include "light/shader_functions.h"
 
+#include <math.h>
+
 /* Luminance of what comes from outside from a direction. */
 double gw_check_sky_light(const gw_sky_view *sky, gw_vec3 towards);
 
@@ -24,5 +26,15 @@ typedef struct gw_check_place {
  */
 double gw_check_lamp_light(const gw_lamp *lamp, const gw_check_place *place, gw_vec3 *towards,
 						   float *distance);
+
+/* How often light arrives that is off by the same in each reflection, over how often it does at
+ * first: 1 + kept + kept^2 and so on, of `limit` terms.
+ *   kept    share that a reflection leaves, at least 0
+ *   limit   bounces, or GW_BOUNCES_AUTO: without end */
+static inline double gw_check_reflections(double kept, uint32_t limit)
+{
+	kept = fmin(kept, (double)GW_ALBEDO_MAX);
+	return limit == GW_BOUNCES_AUTO ? 1.0 / (1.0 - kept) : (1.0 - pow(kept, limit)) / (1.0 - kept);
+}
 
 #endif

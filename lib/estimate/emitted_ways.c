@@ -7,6 +7,8 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/shared_math.h"
+#include "estimate/check_light.h"
+#include "light/cpu_loop.h"
 #include "light/shader_functions.h"
 
 #include <math.h>
@@ -34,20 +36,15 @@ typedef struct work {
 	atomic_bool stopped;
 } work;
 
-static double power_of(const gw_surfels *s, size_t surfel)
-{
-	return (double)s->area[surfel] * gw_luminance(s->emission + 3 * surfel);
-}
-
 static void draw_emitters(work *w)
 {
 	const gw_surfels *s = w->task->surfels;
 	double power = 0.0, passed = 0.0;
 	uint32_t drawn = 0;
 	for (size_t i = 0; i < s->count; i++)
-		power += power_of(s, i);
+		power += gw_emitted_power(s, i);
 	for (size_t i = 0; i < s->count; i++) {
-		passed += power_of(s, i);
+		passed += gw_emitted_power(s, i);
 		while (drawn < EMITTERS && (drawn + 0.5) * power < passed * EMITTERS)
 			w->emitter[drawn++] = (uint32_t)i;
 	}
@@ -176,9 +173,7 @@ static void look_from_all(void *user, size_t first, size_t last, uint32_t worker
 {
 	work *w = user;
 	for (size_t i = first; i < last; i++) {
-		if (worker == 0 && gw_gpu_stopped(w->task->on.passes->gpu))
-			atomic_store(&w->stopped, true);
-		if (atomic_load(&w->stopped))
+		if (gw_loop_stopped(w->task->on.passes->gpu, worker, &w->stopped))
 			return;
 		look_around(w, i);
 	}

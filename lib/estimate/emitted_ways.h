@@ -10,6 +10,7 @@
 #ifndef EMITTED_WAYS_H
 #define EMITTED_WAYS_H
 
+#include "base/luminance.h"
 #include "estimate/check_discs.h"
 #include "light/gather_rays.h"
 #include "surfels/scanned_space.h"
@@ -29,6 +30,12 @@ typedef struct gw_emitted_ways_task {
 	const gw_check_discs *discs; /* open */
 	uint32_t threads;
 } gw_emitted_ways_task;
+
+/* What a surfel that may emit sends to one side, over pi: W, as luminance. */
+static inline double gw_emitted_power(const gw_surfels *s, size_t surfel)
+{
+	return (double)s->area[surfel] * gw_luminance(s->emission + 3 * surfel);
+}
 
 /* ways   one a record */
 gw_status gw_emitted_ways_find(const gw_emitted_ways_task *task, gw_emitted_ways *ways,

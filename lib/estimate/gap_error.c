@@ -133,12 +133,9 @@ static double beside_gaps(const work *w, size_t record)
 	return fmax(all - through, 0.0);
 }
 
-/* 1 + kept + kept^2 and so on. */
 static double reflections(const work *w)
 {
-	double kept = fmin(w->reflected, (double)GW_ALBEDO_MAX);
-	uint32_t limit = w->task->limit;
-	return limit == GW_BOUNCES_AUTO ? 1.0 / (1.0 - kept) : (1.0 - pow(kept, limit)) / (1.0 - kept);
+	return gw_check_reflections(w->reflected, w->task->limit);
 }
 
 /* Each of so many holes is as likely a window as none, but where light comes through them one of
@@ -358,11 +355,6 @@ static gw_status follow_lamps(work *w, gw_error *error)
 	return GW_OK;
 }
 
-static double power_of(const gw_surfels *s, size_t surfel)
-{
-	return (double)s->area[surfel] * gw_luminance(s->emission + 3 * surfel);
-}
-
 /* One of EMITTER_RAYS rays from points that emit: numbers in the order of the points, and
  * directions as far apart as can be for numbers that follow each other (van der Corput 1935). */
 static double loss_from(const work *w, size_t surfel, uint32_t number)
@@ -432,9 +424,9 @@ static gw_status follow_emitters(work *w, gw_error *error)
 		return GW_OK;
 	GW_TRY(gw_check_discs_open(t->on.passes->gpu, t->on.octree, s, t->discs, error));
 	for (size_t i = 0; i < s->count; i++)
-		power += power_of(s, i);
+		power += gw_emitted_power(s, i);
 	for (size_t i = 0; i < s->count; i++) {
-		passed += power_of(s, i);
+		passed += gw_emitted_power(s, i);
 		for (; number < EMITTER_RAYS && (number + 0.5) * power < passed * EMITTER_RAYS; number++)
 			lost += loss_from(w, i, number);
 	}

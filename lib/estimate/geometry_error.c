@@ -5,6 +5,7 @@
 
 #include "estimate/check_discs.h"
 #include "estimate/check_light.h"
+#include "light/cpu_loop.h"
 #include "light/direct_light.h"
 #include "base/luminance.h"
 #include "base/memory.h"
@@ -245,12 +246,9 @@ static void check_record(const check *c, size_t record)
 	c->record[record] = sum;
 }
 
-/* Asked by the caller's own thread. */
 static bool stops(check *c, uint32_t worker)
 {
-	if (worker == 0 && gw_gpu_stopped(c->task->gpu))
-		atomic_store(&c->stopped, true);
-	return atomic_load(&c->stopped);
+	return gw_loop_stopped(c->task->gpu, worker, &c->stopped);
 }
 
 static gw_status check_whole(const check *c, gw_error *error)

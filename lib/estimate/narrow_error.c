@@ -7,7 +7,9 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/shared_math.h"
+#include "estimate/check_light.h"
 #include "estimate/check_point_choice.h"
+#include "light/cpu_loop.h"
 #include "light/direct_light.h"
 #include "light/shader_functions.h"
 
@@ -146,9 +148,7 @@ static void look_from(void *user, size_t first, size_t last, uint32_t worker)
 {
 	check *c = user;
 	for (size_t i = first; i < last; i++) {
-		if (worker == 0 && gw_gpu_stopped(c->task->gpu))
-			atomic_store(&c->stopped, true);
-		if (atomic_load(&c->stopped))
+		if (gw_loop_stopped(c->task->gpu, worker, &c->stopped))
 			return;
 		look(c, i);
 	}
@@ -161,8 +161,7 @@ static double reflections(const check *c)
 	uint32_t limit = c->task->radiance ? c->task->limit : 1;
 	for (size_t i = 0; i < c->choice.count; i++)
 		kept += c->choice.weight[i] * c->albedo[i];
-	kept = fmin(kept, (double)GW_ALBEDO_MAX);
-	return limit == GW_BOUNCES_AUTO ? 1.0 / (1.0 - kept) : (1.0 - pow(kept, limit)) / (1.0 - kept);
+	return gw_check_reflections(kept, limit);
 }
 
 /* The mean square of a share that is anything from 0 to 1 is a third. */

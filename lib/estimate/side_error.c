@@ -7,8 +7,10 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/shared_math.h"
+#include "estimate/check_light.h"
 #include "estimate/check_point_choice.h"
 #include "estimate/side_components.h"
+#include "light/cpu_loop.h"
 #include "light/direct_light.h"
 #include "light/shader_functions.h"
 
@@ -167,9 +169,7 @@ static void look_from(void *user, size_t first, size_t last, uint32_t worker)
 {
 	check *c = user;
 	for (size_t i = first; i < last; i++) {
-		if (worker == 0 && gw_gpu_stopped(c->task->gpu))
-			atomic_store(&c->stopped, true);
-		if (atomic_load(&c->stopped))
+		if (gw_loop_stopped(c->task->gpu, worker, &c->stopped))
 			return;
 		side *at = c->found[i * c->step];
 		for (int back = 0; back < 2 && at[back].fits + at[back].differs == 0; back++)
@@ -369,8 +369,7 @@ static double reflections(const check *c)
 	for (size_t i = 0; i < c->choice.count; i++)
 		kept += c->choice.weight[i] *
 				gw_luminance(c->task->surfels->albedo + 3 * (size_t)c->choice.point[i]);
-	kept = fmin(kept, (double)GW_ALBEDO_MAX);
-	return limit == GW_BOUNCES_AUTO ? 1.0 / (1.0 - kept) : (1.0 - pow(kept, limit)) / (1.0 - kept);
+	return gw_check_reflections(kept, limit);
 }
 
 static void conclude(check *c, gw_side_finding *found)

@@ -13,6 +13,14 @@
 #include <stdatomic.h>
 #include <string.h>
 
+/* Asks, in the caller's own thread, whether to stop; whether anybody was told so. */
+static inline bool gw_loop_stopped(gw_gpu *gpu, uint32_t worker, atomic_bool *stopped)
+{
+	if (worker == 0 && gw_gpu_stopped(gpu))
+		atomic_store(stopped, true);
+	return atomic_load_explicit(stopped, memory_order_relaxed);
+}
+
 typedef struct gw_stoppable_loop {
 	gw_gpu *gpu;
 	gw_parallel_work *work;
@@ -23,9 +31,7 @@ typedef struct gw_stoppable_loop {
 static inline void gw_work_unless_stopped(void *user, size_t first, size_t last, uint32_t worker)
 {
 	gw_stoppable_loop *loop = user;
-	if (worker == 0 && gw_gpu_stopped(loop->gpu))
-		atomic_store(&loop->stopped, true);
-	if (!atomic_load_explicit(&loop->stopped, memory_order_relaxed))
+	if (!gw_loop_stopped(loop->gpu, worker, &loop->stopped))
 		loop->work(loop->job, first, last, worker);
 }
 

@@ -7,6 +7,7 @@
 #include "base/parallel.h"
 #include "cloud/frame.h"
 #include "base/shared_math.h"
+#include "light/cpu_loop.h"
 #include "light/shader_functions.h"
 #include "light/transport_layout.h"
 
@@ -70,9 +71,7 @@ static void look_through_all(void *user, size_t first, size_t last, uint32_t wor
 {
 	work *w = user;
 	for (size_t i = first; i < last; i++) {
-		if (worker == 0 && gw_gpu_stopped(w->task->on->passes->gpu))
-			atomic_store(&w->stopped, true);
-		if (atomic_load(&w->stopped))
+		if (gw_loop_stopped(w->task->on->passes->gpu, worker, &w->stopped))
 			return;
 		look_through(w, i);
 	}
