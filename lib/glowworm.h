@@ -407,8 +407,12 @@ typedef struct gw_bake_options {
 	uint32_t shadow_map_size;   /* texels a side of a shadow map, 16..8192 */
 	uint32_t threads;           /* 0 means one a core */
 	uint64_t seed;              /* of all random directions */
-	uint64_t memory;       /* bytes that the bake may use, host and device together; 0 means most
-							  of what the machine has free */
+	uint64_t memory; /* bytes that the bake may use, host and device together; 0 means most
+						of what the machine has free */
+	/* Points that the surface is made of at most: the others are lit by it. 0 means all, or as many
+	 * as memory holds. Not with a transport, nor with the camera of a region; only gw_bake and
+	 * gw_plan_bake can. */
+	uint32_t surface_points;
 	const char *device;    /* NULL, or an index, type name or part of the name of a device */
 	gw_pass_choice passes; /* for those who look into a difference */
 	gw_normals_choice normals;
@@ -525,7 +529,7 @@ typedef struct gw_bounce {
 typedef struct gw_error_estimate {
 	uint32_t points;     /* solved again; 0 when no estimate was made, or where lamps alone shine
 							and only their shadows are looked at */
-	double relative_rms; /* root mean square error: of the eight below that are parts of it, of the
+	double relative_rms; /* root mean square error: of the nine below that are parts of it, of the
 							light that GW_BOUNCES_AUTO leaves out (remaining), and not less than
 							halves says */
 	double gathered;     /* of light that was gathered, by the points that were solved again */
@@ -549,10 +553,13 @@ typedef struct gw_error_estimate {
 	double narrow;      /* of plates that stand for things as narrow as points are apart, such as
 						   leaves and wires, where nothing says how much of them is there
 						   (narrow_error.h) */
+	double between;     /* of points that are no part of the surface, as light changes between those
+						   that are: gw_bake_options.surface_points */
 	double halves; /* of the surface, whatever is wrong with it, as gw_bake finds it by bakes of
 					  half of the points (half_sample.h): where more than a tenth had no
-					  normal, some are strays, or points are far apart or on something narrow
-					  (spacing_ratio, narrow_share). 0: nobody looked, or nothing was found */
+					  normal, some are strays, points are far apart or on something narrow
+					  (spacing_ratio, narrow_share), or some alone make the surface. 0: nobody
+					  looked, or nothing was found */
 } gw_error_estimate;
 
 /* What gaps let through (gw_gaps), as found for the light of a bake. */
@@ -685,6 +692,7 @@ typedef struct gw_report {
 	/* Of a bake of a region, else 0: its points; its records, of all that there are; facets, pieces
 	 * of surface in leaves, that its light depends on, and all facets. */
 	uint64_t region_points, region_records, region_facets, facets;
+	uint64_t surface_points; /* 0, or how many make the surface that lights the others */
 	bool directional; /* whether these know from where their light comes: GW_BASIS_DIRECTIONAL */
 	float record_spacing; /* with which these were placed, leaf cells; 0: one on every surface, or
 							 there are none */

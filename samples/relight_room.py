@@ -49,7 +49,8 @@ class Estimate(c.Structure):  # gw_error_estimate
                 ("spread", c.c_double), ("bias", c.c_double), ("noise", c.c_double),
                 ("shadows", c.c_double), ("normals", c.c_double), ("emission", c.c_double),
                 ("geometry", c.c_double), ("gaps", c.c_double), ("sides", c.c_double),
-                ("sides_share", c.c_double), ("narrow", c.c_double), ("halves", c.c_double)]
+                ("sides_share", c.c_double), ("narrow", c.c_double),
+                ("between", c.c_double), ("halves", c.c_double)]
 
 
 library = c.CDLL(os.environ.get("GLOWWORM_LIBRARY", "libglowworm.so.0.1"))

@@ -623,6 +623,12 @@ const option options[] = {
 	  AT(bake.memory), AUTOMATIC(0.0), .group = "Machine",
 	  .help = "bytes that a bake may use, with K, M, G or T behind the number; auto is most of "
 			  "what is free" },
+	{ "surface-points", 0, "N", OPTION_COUNT, FOR(BAKE | PLAN), .scene = true,
+	  AT(bake.surface_points), RANGE(1.0, 1e9), AUTOMATIC(0.0), .group = "Machine",
+	  .help = "points that the surface is made of at most, thinned most where they are densest; "
+			  "the others are lit by it, each with its own albedo and normal. A surface of fewer "
+			  "takes less time and memory, and the estimated error says what it loses; auto is "
+			  "all, or as many as --memory holds" },
 	{ "device", 0, "NAME", OPTION_TEXT,
 	  FOR(BAKE | PLAN | TRADEOFF | RENDER | DOCTOR | ALBEDO | PROBES), .scene = true,
 	  AT(bake.device), .group = "Machine",

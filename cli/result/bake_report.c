@@ -160,6 +160,7 @@ static void write_bounces(json_writer *json, const bake_facts *f)
 	json_put_real(json, "sides", r->error.sides);
 	json_put_real(json, "sides_share", r->error.sides_share);
 	json_put_real(json, "narrow", r->error.narrow);
+	json_put_real(json, "between", r->error.between);
 	json_put_real(json, "halves", r->error.halves);
 	json_put_close(json, '}');
 	json_put_bool(json, "unlit_space", r->unlit_space);
@@ -244,6 +245,7 @@ static void write_octree(json_writer *json, const gw_report *r)
 		json_put_count(json, "buffer_pieces", r->buffer_pieces);
 	json_put_single(json, "record_spacing", r->record_spacing);
 	json_put_real(json, "spacing", r->spacing);
+	json_put_count(json, "surface_points", r->surface_points);
 	json_put_real(json, "spacing_ratio", r->spacing_ratio);
 	json_put_real(json, "narrow_share", r->narrow_share);
 	json_put_count(json, "peak_bytes", r->peak_bytes);
@@ -763,6 +765,7 @@ static void put_parts(const gw_report *r, char *text, size_t room)
 		{ e->sides, "surfaces that may face the wrong way", "normals or scanner positions" },
 		{ e->narrow, "doubts about how much there is of narrow things",
 		  "normals or a scan in rows and columns" },
+		{ e->between, "changes between the points that make the surface", "more --surface-points" },
 		{ e->halves, "doubts about the surface, by half of the points,",
 		  "denser or better points" },
 	};

@@ -278,7 +278,7 @@ static gw_status comment_error(maker *m)
 	char text[480], remaining[NUMBER_TEXT], rms[NUMBER_TEXT], spread[NUMBER_TEXT];
 	char shadows[NUMBER_TEXT], normals[NUMBER_TEXT], emission[NUMBER_TEXT];
 	char geometry[NUMBER_TEXT], sides[NUMBER_TEXT], gaps[NUMBER_TEXT], halves[NUMBER_TEXT];
-	char narrow[NUMBER_TEXT];
+	char narrow[NUMBER_TEXT], between[NUMBER_TEXT];
 	number_print_float(remaining, (float)r->remaining);
 	number_print_float(rms, (float)r->error.relative_rms);
 	number_print_float(spread, (float)r->error.spread);
@@ -289,6 +289,7 @@ static gw_status comment_error(maker *m)
 	number_print_float(sides, (float)r->error.sides);
 	number_print_float(gaps, (float)r->error.gaps);
 	number_print_float(narrow, (float)r->error.narrow);
+	number_print_float(between, (float)r->error.between);
 	number_print_float(halves, (float)r->error.halves);
 	snprintf(text, sizeof text,
 			 "glowworm estimated error: bounces left out would add at most %s of the light",
@@ -316,6 +317,9 @@ static gw_status comment_error(maker *m)
 	if (r->error.narrow > 0)
 		length +=
 			snprintf(text + length, sizeof text - (size_t)length, ", narrow things %s", narrow);
+	if (r->error.between > 0)
+		length += snprintf(text + length, sizeof text - (size_t)length,
+						   ", between points of the surface %s", between);
 	if (r->error.halves > 0)
 		snprintf(text + length, sizeof text - (size_t)length,
 				 ", the surface by half of the points %s", halves);

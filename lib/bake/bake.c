@@ -730,21 +730,6 @@ gw_status gw_bake_once(const gw_scene_description *scene, const gw_bake_options 
 	return status;
 }
 
-gw_status gw_plan_bake(const gw_scene_description *scene, const gw_bake_options *options,
-					   const gw_bake_callbacks *callbacks, gw_bake_result **plan, gw_error *error)
-{
-	const gw_bake_options ordinary = gw_bake_options_default();
-	*plan = NULL;
-	options = options ? options : &ordinary;
-	GW_TRY(gw_options_check(options, scene, error));
-	if (options->region)
-		return gw_fail(error, GW_ERROR_USAGE,
-					   "what the light of a region takes is not foretold; plan the whole scene");
-	const gw_bake_options effective = gw_options_effective(options);
-	const gw_bake_manner planning = { .planning = true };
-	return gw_bake_once(scene, &effective, planning, callbacks, plan, error);
-}
-
 gw_status gw_bake_on_device(const gw_scene_description *scene, const gw_bake_options *options,
 							gw_gpu **device, const gw_bake_callbacks *callbacks,
 							gw_bake_result **result, gw_error *error)

@@ -26,7 +26,18 @@ gw_status gw_bake_once(const gw_scene_description *scene, const gw_bake_options 
 					   gw_bake_manner manner, const gw_bake_callbacks *callbacks,
 					   gw_bake_result **result, gw_error *error);
 
-/* The same by itself on a device, as in the manner: a gw_half_bake. */
+/*
+ * A bake, and where the surface is in doubt, bakes of half of the points and of half of these, by
+ * which its error is estimated (half_sample.h).
+ *   options    checked, and effective (scene.h); surface_points above 0 says that the points given
+ *              are some of more
+ *   result     on success to be destroyed by the caller, else NULL
+ */
+gw_status gw_bake_checked(const gw_scene_description *scene, const gw_bake_options *options,
+						  const gw_bake_callbacks *callbacks, gw_bake_result **result,
+						  gw_error *error);
+
+/* gw_bake_once by itself on a device, as in the manner: a gw_half_bake. */
 gw_status gw_bake_on_device(const gw_scene_description *scene, const gw_bake_options *options,
 							struct gw_gpu **device, const gw_bake_callbacks *callbacks,
 							gw_bake_result **result, gw_error *error);

@@ -364,6 +364,11 @@ gw_status gw_frames_open(const gw_moving_scene *scene, const gw_bake_options *op
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "frames in which something moves cannot begin with a transport nor make "
 					   "one; leave it out");
+	if (options->surface_points > 0)
+		return gw_fail(
+			error, GW_ERROR_USAGE,
+			"the surface of frames is made of all points; leave their number out, or bake "
+			"each as a scene of its own");
 	if (options->region)
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "frames are of the whole scene; bake each as a scene of its own to light a "

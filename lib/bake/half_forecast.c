@@ -57,7 +57,7 @@ static gw_status refuse_coarser(const gw_bake_result *of_half, gw_error *error)
 }
 
 static gw_status bake_half(const gw_half_forecast_task *task, const gw_bake_options *options,
-						   const gw_half_sample *half, gw_bake_result **result, gw_error *error)
+						   const gw_point_subset *half, gw_bake_result **result, gw_error *error)
 {
 	const gw_scene_description part = { &half->points, task->scene->lights,
 										task->scene->light_count };
@@ -104,7 +104,7 @@ gw_status gw_half_forecast_add(const gw_half_forecast_task *task, const gw_bake_
 {
 	const gw_bake_options few = few_records(task->scene->points, task->options, light);
 	double start = gw_seconds();
-	gw_half_sample half;
+	gw_point_subset half;
 	gw_bake_result *of_half = NULL;
 	gw_status status = gw_half_sample_make(task->scene->points, 0, &half, error);
 	if (status == GW_OK)
@@ -117,6 +117,6 @@ gw_status gw_half_forecast_add(const gw_half_forecast_task *task, const gw_bake_
 	status = tell(status, report);
 	report->forecast.own_seconds += gw_seconds() - start;
 	gw_bake_result_destroy(&of_half);
-	gw_half_sample_clear(&half);
+	gw_point_subset_clear(&half);
 	return status;
 }

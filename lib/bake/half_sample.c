@@ -41,7 +41,8 @@
 bool gw_half_sample_is_likely(const gw_points *points, const gw_bake_options *options)
 {
 	return options->estimate_points > 0 && !options->transport && points->count >= POINTS_LEAST &&
-		   (!points->normal || options->normals == GW_NORMALS_ESTIMATE);
+		   (!points->normal || options->normals == GW_NORMALS_ESTIMATE ||
+			options->surface_points > 0);
 }
 
 bool gw_half_sample_is_wanted(const gw_points *points, const gw_bake_options *options,
@@ -55,8 +56,8 @@ bool gw_half_sample_is_wanted(const gw_points *points, const gw_bake_options *op
 			estimated = (double)report->count[i].points;
 	bool narrow = points->count >= NARROW_POINTS && report->narrow_share > NARROW_LEAST;
 	return options->estimate_points > 0 && !options->transport && points->count >= POINTS_LEAST &&
-		   (estimated > ESTIMATED_LEAST * all || strays > STRAYS_LEAST * all ||
-			report->spacing_ratio > UNEVEN_LEAST || narrow);
+		   (options->surface_points > 0 || estimated > ESTIMATED_LEAST * all ||
+			strays > STRAYS_LEAST * all || report->spacing_ratio > UNEVEN_LEAST || narrow);
 }
 
 gw_bake_options gw_half_sample_options(const gw_points *points, const gw_bake_options *options)
@@ -75,127 +76,28 @@ gw_bake_options gw_half_sample_options(const gw_points *points, const gw_bake_op
 
 /* ---------------------------------------------------------------------------------- choosing */
 
-static const gw_range_image *image_of(const gw_points *points, size_t i, size_t *image)
+typedef struct hashed_points {
+	const gw_points *points;
+	uint32_t level;
+} hashed_points;
+
+static bool takes_by_hash(const void *user, size_t point)
 {
-	while (*image < points->image_count &&
-		   i >= points->image[*image].first + points->image[*image].count)
-		++*image;
-	bool within = points->image_cell && *image < points->image_count &&
-				  i >= points->image[*image].first && points->image[*image].columns > 0;
-	return within ? &points->image[*image] : NULL;
+	const hashed_points *h = user;
+	return gw_hash(0, h->points->position + 3 * point, 3 * sizeof(double)) >> (63 - h->level) & 1;
 }
 
-static bool is_chosen(const gw_points *points, size_t i, const gw_range_image *image,
-					  uint32_t level)
-{
-	if (image)
-		return points->image_cell[i] % image->columns % 2 == 0;
-	return gw_hash(0, points->position + 3 * i, 3 * sizeof(double)) >> (63 - level) & 1;
-}
-
-/* Lists those chosen; images keep their place among them. */
-static void choose(const gw_points *points, uint32_t level, gw_half_sample *half)
-{
-	size_t image = 0, count = 0;
-	for (size_t k = 0; k < points->image_count; k++) {
-		half->image[k] = points->image[k];
-		half->image[k].columns = (points->image[k].columns + 1) / 2;
-		half->image[k].count = 0;
-	}
-	for (size_t i = 0; i < points->count; i++) {
-		const gw_range_image *own = image_of(points, i, &image);
-		if (!is_chosen(points, i, own, level))
-			continue;
-		if (own && half->image[image].count++ == 0)
-			half->image[image].first = count;
-		if (own)
-			half->image_cell[count] =
-				points->image_cell[i] / own->columns * half->image[image].columns +
-				points->image_cell[i] % own->columns / 2;
-		half->from[count++] = i;
-	}
-	half->points.count = count;
-}
-
-/* ----------------------------------------------------------------------------------- copying */
-
-/* The rows of those chosen; NULL where there are none to copy, or no memory, which *good tells. */
-static void *copy_rows(const gw_half_sample *half, const void *rows, size_t bytes, bool *good)
-{
-	size_t count = half->points.count;
-	unsigned char *copy = rows ? gw_allocate_array(count > 0 ? count : 1, bytes) : NULL;
-	const unsigned char *from = rows;
-	*good = *good && (copy || !rows);
-	for (size_t i = 0; copy && i < count; i++)
-		memcpy(copy + i * bytes, from + half->from[i] * bytes, bytes);
-	return copy;
-}
-
-static bool copy_all(const gw_points *all, gw_half_sample *half)
-{
-	gw_points *p = &half->points;
-	bool good = true;
-	p->position = half->position = copy_rows(half, all->position, 3 * sizeof(double), &good);
-	p->normal = half->normal = copy_rows(half, all->normal, 3 * sizeof(float), &good);
-	p->albedo = half->albedo = copy_rows(half, all->albedo, 3 * sizeof(float), &good);
-	p->emission = half->emission = copy_rows(half, all->emission, 3 * sizeof(float), &good);
-	p->opacity = half->opacity = copy_rows(half, all->opacity, sizeof(float), &good);
-	p->own_area = half->own_area = copy_rows(half, all->own_area, sizeof(float), &good);
-	p->beam_share = half->beam_share = copy_rows(half, all->beam_share, sizeof(float), &good);
-	p->scanner_of = half->scanner_of = copy_rows(half, all->scanner_of, sizeof(uint32_t), &good);
-	p->stray = half->stray = copy_rows(half, all->stray, 1, &good);
-	p->image = half->image;
-	p->image_cell = all->image_cell ? half->image_cell : NULL;
-	return good;
-}
-
-gw_status gw_half_sample_make(const gw_points *points, uint32_t level, gw_half_sample *half,
+gw_status gw_half_sample_make(const gw_points *points, uint32_t level, gw_point_subset *half,
 							  gw_error *error)
 {
-	*half = (gw_half_sample){ .points = *points };
-	half->from = gw_allocate_array(points->count, sizeof *half->from);
-	half->image_cell = gw_allocate_array(points->count, sizeof *half->image_cell);
-	half->image = gw_allocate_array(points->image_count + 1, sizeof *half->image);
-	bool good = half->from && half->image_cell && half->image;
-	if (good) {
-		choose(points, level, half);
-		good = copy_all(points, half);
-	}
-	return good
-			   ? GW_OK
-			   : gw_fail(error, GW_ERROR_MEMORY, "no memory for half of %zu points", points->count);
-}
-
-gw_status gw_half_sample_ask(gw_half_sample *half, const uint8_t *asked, gw_error *error)
-{
-	bool good = true;
-	half->asked = copy_rows(half, asked, 1, &good);
-	return good ? GW_OK
-				: gw_fail(error, GW_ERROR_MEMORY, "no memory for half of %zu points",
-						  half->points.count);
-}
-
-void gw_half_sample_clear(gw_half_sample *half)
-{
-	free(half->from);
-	free(half->position);
-	free(half->normal);
-	free(half->albedo);
-	free(half->emission);
-	free(half->opacity);
-	free(half->own_area);
-	free(half->beam_share);
-	free(half->scanner_of);
-	free(half->image_cell);
-	free(half->image);
-	free(half->stray);
-	free(half->asked);
-	*half = (gw_half_sample){ .from = NULL };
+	const hashed_points hashed = { points, level };
+	const gw_subset_choice every_other = { 2, 1, takes_by_hash, &hashed };
+	return gw_point_subset_make(points, &every_other, half, error);
 }
 
 /* ---------------------------------------------------------------------------------- comparing */
 
-static bool counts(const gw_half_sample *half, const gw_bake_result *all, size_t i)
+static bool counts(const gw_point_subset *half, const gw_bake_result *all, size_t i)
 {
 	size_t of_all = half->from[i];
 	const float *e = half->emission ? half->emission + 3 * i : NULL;
@@ -205,7 +107,7 @@ static bool counts(const gw_half_sample *half, const gw_bake_result *all, size_t
 }
 
 /* Whether a point shows one side in the half and the other one among all. */
-static bool is_turned(const gw_half_sample *half, const gw_bake_result *of_half,
+static bool is_turned(const gw_point_subset *half, const gw_bake_result *of_half,
 					  const gw_bake_result *of_all, size_t i)
 {
 	const float *n = of_half->normal, *m = of_all->normal;
@@ -223,7 +125,7 @@ typedef enum kind { LEFT_OUT, REST, NEAR, TURNED } kind;
 
 /* Points that turn, around one of them in single precision. */
 typedef struct turned_points {
-	const gw_half_sample *half;
+	const gw_point_subset *half;
 	const double *middle;
 	gw_neighbour_index *index;
 	double reach;
@@ -265,7 +167,7 @@ static bool mark_all(const turned_points *t, uint8_t *kinds)
 }
 
 /* Marks what is no further than the reach from points that turn, `turned` of them. */
-static bool mark_near(const gw_half_sample *half, double reach, size_t turned, uint8_t *kinds)
+static bool mark_near(const gw_point_subset *half, double reach, size_t turned, uint8_t *kinds)
 {
 	turned_points t = { .half = half, .reach = reach };
 	float *at = gw_allocate_array(turned, 3 * sizeof *at);
@@ -289,7 +191,7 @@ static double between_records(const gw_report *r)
 }
 
 /* What each point of the half is; false where there is no memory. */
-static bool list_kinds(const gw_half_sample *half, const gw_bake_result *of_half,
+static bool list_kinds(const gw_point_subset *half, const gw_bake_result *of_half,
 					   const gw_bake_result *of_all, uint8_t *kinds)
 {
 	size_t turned = 0;
@@ -303,7 +205,8 @@ static bool list_kinds(const gw_half_sample *half, const gw_bake_result *of_half
 	return turned == 0 || reach <= 0.0 || mark_near(half, reach, turned, kinds);
 }
 
-static gw_half_difference sum_differences(const gw_half_sample *half, const gw_bake_result *of_half,
+static gw_half_difference sum_differences(const gw_point_subset *half,
+										  const gw_bake_result *of_half,
 										  const gw_bake_result *of_all, const uint8_t *kinds)
 {
 	double square[TURNED + 1] = { 0 }, mean = 0.0, mean_of_half = 0.0;
@@ -329,7 +232,7 @@ static gw_half_difference sum_differences(const gw_half_sample *half, const gw_b
 								 .sides = of_half->report.error.sides };
 }
 
-gw_status gw_half_sample_difference(const gw_half_sample *half, const gw_bake_result *of_half,
+gw_status gw_half_sample_difference(const gw_point_subset *half, const gw_bake_result *of_half,
 									const gw_bake_result *of_all, gw_half_difference *difference,
 									gw_error *error)
 {

@@ -39,25 +39,12 @@
 #ifndef HALF_SAMPLE_H
 #define HALF_SAMPLE_H
 
-#include "glowworm.h"
-
-/* A cloud of its own of half of the points. */
-typedef struct gw_half_sample {
-	gw_points points; /* refers to the arrays below, and for the rest to what was given */
-	size_t *from;     /* points.count: which point of all each is */
-	double *position;
-	float *normal, *albedo, *emission; /* NULL where all have none, and so the next */
-	float *opacity, *own_area, *beam_share;
-	uint32_t *scanner_of, *image_cell;
-	gw_range_image *image;
-	uint8_t *stray;
-	uint8_t *asked; /* NULL: all; those whose light is asked for */
-} gw_half_sample;
+#include "bake/point_subset.h"
 
 /*
  * Is there doubt about the surface that such a bake could show? Not where all normals were given,
  * points are about as far apart everywhere, next to none lie on leaves or wires, and next to
- * nothing strays.
+ * nothing strays; but always where some of the points alone make the surface.
  */
 bool gw_half_sample_is_wanted(const gw_points *points, const gw_bake_options *options,
 							  const gw_report *report);
@@ -72,16 +59,11 @@ gw_bake_options gw_half_sample_options(const gw_points *points, const gw_bake_op
 /*
  * Takes half of the points.
  *   level   how many halves came before: 0, or 1 for half of a half
- *   half    to be freed with gw_half_sample_clear, also on failure
+ *   half    to be freed with gw_point_subset_clear, also on failure
  * Fails with GW_ERROR_MEMORY.
  */
-gw_status gw_half_sample_make(const gw_points *points, uint32_t level, gw_half_sample *half,
+gw_status gw_half_sample_make(const gw_points *points, uint32_t level, gw_point_subset *half,
 							  gw_error *error);
-
-/* Asks for the light of those that the bake of all was asked for; asked: as gw_bake_result has it.
- * GW_ERROR_MEMORY. */
-gw_status gw_half_sample_ask(gw_half_sample *half, const uint8_t *asked, gw_error *error);
-void gw_half_sample_clear(gw_half_sample *half);
 
 /* Root mean square differences of radiance, over its mean; the squares of the first three add up.
  */
@@ -99,7 +81,7 @@ typedef struct gw_half_difference {
  * stray.
  * Fails with GW_ERROR_MEMORY.
  */
-gw_status gw_half_sample_difference(const gw_half_sample *half, const gw_bake_result *of_half,
+gw_status gw_half_sample_difference(const gw_point_subset *half, const gw_bake_result *of_half,
 									const gw_bake_result *of_all, gw_half_difference *difference,
 									gw_error *error);
 

@@ -1,6 +1,6 @@
 /*
- * halved_bake.c - gw_bake: a bake of all points, and where their surface is in doubt, of half of
- * them and of half of these, for the error; see half_sample.h.
+ * halved_bake.c - a bake of all points, and where their surface is in doubt, of half of them and of
+ * half of these, for the error; see bake.h and half_sample.h.
  */
 #include "bake/bake.h"
 #include "bake/half_sample.h"
@@ -76,7 +76,7 @@ typedef struct whole {
 
 /* A bake with the settings that the whole one began with, on the device of that one, and with its
  * passes. level: as the half was made; of half of a half nobody asks about sides. */
-static gw_status bake_half(whole *w, uint32_t level, const gw_half_sample *half,
+static gw_status bake_half(whole *w, uint32_t level, const gw_point_subset *half,
 						   const gw_bake_callbacks *callbacks, gw_bake_result **result,
 						   gw_error *error)
 {
@@ -109,7 +109,7 @@ static void add_work(gw_stage *stage, const gw_bake_result *result)
  * stage: receives what the device did for it. */
 static gw_status compare_halves(whole *w, gw_stage *stage, gw_bake_result *result, gw_error *error)
 {
-	gw_half_sample half, quarter = { .from = NULL };
+	gw_point_subset half, quarter = { .from = NULL };
 	part second_part = after(&parts[1], w->told), third_part = after(&parts[2], w->told);
 	const gw_bake_callbacks of_second = callbacks_of(&second_part, w->callbacks);
 	const gw_bake_callbacks of_third = callbacks_of(&third_part, w->callbacks);
@@ -119,7 +119,7 @@ static gw_status compare_halves(whole *w, gw_stage *stage, gw_bake_result *resul
 	double gathered = r->round_count > 0 ? r->round[0].error.gathered : r->error.gathered;
 	gw_status status = gw_half_sample_make(w->scene->points, 0, &half, error);
 	if (status == GW_OK)
-		status = gw_half_sample_ask(&half, result->asked, error);
+		status = gw_point_subset_ask(&half, result->asked, error);
 	if (status == GW_OK)
 		status = bake_half(w, 0, &half, &of_second, &of_half, error);
 	if (status == GW_OK)
@@ -128,7 +128,7 @@ static gw_status compare_halves(whole *w, gw_stage *stage, gw_bake_result *resul
 	if (more)
 		status = gw_half_sample_make(&half.points, 1, &quarter, error);
 	if (more && status == GW_OK)
-		status = gw_half_sample_ask(&quarter, of_half->asked, error);
+		status = gw_point_subset_ask(&quarter, of_half->asked, error);
 	if (more && status == GW_OK)
 		status = bake_half(w, 1, &quarter, &of_third, &of_quarter, error);
 	if (more && status == GW_OK)
@@ -139,8 +139,8 @@ static gw_status compare_halves(whole *w, gw_stage *stage, gw_bake_result *resul
 	add_work(stage, of_quarter);
 	gw_bake_result_destroy(&of_half);
 	gw_bake_result_destroy(&of_quarter);
-	gw_half_sample_clear(&half);
-	gw_half_sample_clear(&quarter);
+	gw_point_subset_clear(&half);
+	gw_point_subset_clear(&quarter);
 	return status;
 }
 
@@ -163,19 +163,11 @@ static gw_status check_by_halves(whole *w, gw_bake_result *result, gw_error *err
 	return status == GW_ERROR_DATA ? GW_OK : status;
 }
 
-gw_status gw_bake(const gw_scene_description *scene, const gw_bake_options *options,
-				  const gw_bake_callbacks *callbacks, gw_bake_result **result, gw_error *error)
+gw_status gw_bake_checked(const gw_scene_description *scene, const gw_bake_options *options,
+						  const gw_bake_callbacks *callbacks, gw_bake_result **result,
+						  gw_error *error)
 {
-	const gw_bake_options ordinary = gw_bake_options_default();
 	double start = gw_seconds();
-	*result = NULL;
-	options = options ? options : &ordinary;
-	GW_TRY(gw_options_check(options, scene, error));
-	const gw_bake_options effective = gw_options_effective(options);
-	if (options->region && callbacks && callbacks->planned)
-		return gw_fail(error, GW_ERROR_USAGE,
-					   "what the light of a region takes is not foretold; ask for no plan of it");
-	options = &effective;
 	part first = parts[0];
 	first.share = gw_half_sample_is_likely(scene->points, options) ? first.share : 1.0;
 	const gw_bake_callbacks of_first = callbacks_of(&first, callbacks);
@@ -186,7 +178,7 @@ gw_status gw_bake(const gw_scene_description *scene, const gw_bake_options *opti
 	bool in_time =
 		!(options->time_limit > 0.0f) || gw_seconds() - start < 0.5 * (double)options->time_limit;
 	if (status == GW_OK && in_time &&
-		gw_half_sample_is_wanted(scene->points, &effective, &(*result)->report))
+		gw_half_sample_is_wanted(scene->points, options, &(*result)->report))
 		status = check_by_halves(&w, *result, error);
 	gw_gpu_destroy(&w.device);
 	if (status != GW_OK)

@@ -80,6 +80,9 @@ static gw_status check(const gw_scene_description *description, const gw_bake_op
 					   gw_error *error)
 {
 	GW_TRY(gw_options_check(options, description, error));
+	if (options->surface_points > 0)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "a scene's surface is made of all its points; leave their number out");
 	if (gw_options_refine(options))
 		return gw_fail(
 			error, GW_ERROR_USAGE,

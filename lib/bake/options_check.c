@@ -168,6 +168,10 @@ static gw_status check_region(const gw_bake_options *o, gw_error *error)
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "a region is lit alone, and %s of the whole scene; bake the whole for it",
 					   o->transport ? "a transport is" : "grids are");
+	if (r->camera && o->surface_points > 0)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "what a camera sees is lit with the surface of all points; leave their "
+					   "number out, or give a box");
 	if (r->camera && !(r->aspect >= 1.0 / 64.0 && r->aspect <= 64.0))
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "the picture of a region's camera has a width of %g by its height; give "
@@ -232,6 +236,10 @@ gw_status gw_options_check(const gw_bake_options *o, const gw_scene_description 
 					   : o->method == GW_METHOD_PROBES  ? "probes do"
 					   : o->method == GW_METHOD_BUFFERS ? "buffers do"
 														: "a volume does");
+	if (o->surface_points > 0 && o->transport)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "a transport is one of all points; leave out how many of them are to make "
+					   "the surface");
 	GW_TRY(check_volume(o, error));
 	if (o->method == GW_METHOD_PROBES)
 		GW_TRY(check_probes(o, error));

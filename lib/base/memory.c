@@ -143,6 +143,17 @@ static uint64_t memory_of_addresses(void)
 	return used < limit.rlim_cur ? limit.rlim_cur - used : 1; /* 0 would be unknown */
 }
 
+uint64_t gw_resident_memory(void)
+{
+	uint64_t pages = 0;
+	FILE *file = fopen("/proc/self/statm", "re");
+	if (file == NULL)
+		return 0;
+	bool good = fscanf(file, "%*u %" SCNu64, &pages) == 1;
+	fclose(file);
+	return good ? pages * (uint64_t)sysconf(_SC_PAGESIZE) : 0;
+}
+
 uint64_t gw_available_memory(void)
 {
 	uint64_t system = memory_of_the_system(), least = memory_of_groups();

@@ -28,13 +28,13 @@ static gw_points cloud(void)
 	return (gw_points){ .count = COUNT, .position = position, .albedo = albedo };
 }
 
-static void make(const gw_points *points, uint32_t level, gw_half_sample *half)
+static void make(const gw_points *points, uint32_t level, gw_point_subset *half)
 {
 	gw_error error;
 	assert_ok(gw_half_sample_make(points, level, half, &error), &error);
 }
 
-static gw_half_difference difference(const gw_half_sample *half, const gw_bake_result *of_half,
+static gw_half_difference difference(const gw_point_subset *half, const gw_bake_result *of_half,
 									 const gw_bake_result *of_all)
 {
 	gw_half_difference d = { 0 };
@@ -48,7 +48,7 @@ static void takes_half_and_half_of_it(void **state)
 {
 	(void)state;
 	gw_points points = cloud();
-	gw_half_sample half, quarter;
+	gw_point_subset half, quarter;
 	make(&points, 0, &half);
 	make(&half.points, 1, &quarter);
 	assert_in_range(half.points.count, 9 * COUNT / 20, 11 * COUNT / 20);
@@ -60,8 +60,8 @@ static void takes_half_and_half_of_it(void **state)
 		assert_true(i == 0 || from > half.from[i - 1]);
 	}
 	assert_null(half.points.normal);
-	gw_half_sample_clear(&quarter);
-	gw_half_sample_clear(&half);
+	gw_point_subset_clear(&quarter);
+	gw_point_subset_clear(&half);
 }
 
 /* Which points are taken goes by where they are, not by their order. */
@@ -69,7 +69,7 @@ static void does_not_care_for_the_order(void **state)
 {
 	(void)state;
 	gw_points points = cloud();
-	gw_half_sample half, other;
+	gw_point_subset half, other;
 	double *turned = malloc(sizeof position);
 	assert_non_null(turned);
 	for (size_t i = 0; i < COUNT; i++)
@@ -80,8 +80,8 @@ static void does_not_care_for_the_order(void **state)
 	assert_int_equal(half.points.count, other.points.count);
 	for (size_t i = 0; i < half.points.count; i++)
 		assert_int_equal(half.from[i], COUNT - 1 - other.from[half.points.count - 1 - i]);
-	gw_half_sample_clear(&other);
-	gw_half_sample_clear(&half);
+	gw_point_subset_clear(&other);
+	gw_point_subset_clear(&half);
 	free(turned);
 }
 
@@ -93,7 +93,7 @@ static void leaves_every_other_column(void **state)
 	uint32_t *cell = calloc(COUNT, sizeof *cell);
 	const gw_range_image image[2] = { { 100, 900, COLUMNS, ROWS, { 1, 2, 3 } },
 									  { 1500, 1000, COLUMNS + 1, ROWS, { 4, 5, 6 } } };
-	gw_half_sample half;
+	gw_point_subset half;
 	assert_non_null(cell);
 	for (size_t k = 0; k < 2; k++)
 		for (size_t i = 0; i < image[k].count; i++)
@@ -114,7 +114,7 @@ static void leaves_every_other_column(void **state)
 		}
 	}
 	assert_int_equal(half.points.image[1].count, 500); /* 31 rows of 16 and 4 */
-	gw_half_sample_clear(&half);
+	gw_point_subset_clear(&half);
 	free(cell);
 }
 
@@ -123,7 +123,7 @@ static void compares_what_is_lit(void **state)
 {
 	(void)state;
 	gw_points points = cloud();
-	gw_half_sample half;
+	gw_point_subset half;
 	make(&points, 0, &half);
 	size_t count = half.points.count;
 	gw_bake_result all = { .count = COUNT, .radiance = calloc(3 * COUNT, sizeof(float)) };
@@ -160,7 +160,7 @@ static void compares_what_is_lit(void **state)
 	free(all.radiance);
 	free(all.stray);
 	free(of_half.radiance);
-	gw_half_sample_clear(&half);
+	gw_point_subset_clear(&half);
 }
 
 /* A row of points 1 m apart, the first of which is nowhere and the next 40 turn, with records 5 m
@@ -185,7 +185,7 @@ static void beside_what_turns_is_known(void **state)
 		}
 	}
 	at[0] = NAN;
-	const gw_half_sample half = { .points = { .count = ROW }, .position = at, .from = from };
+	const gw_point_subset half = { .points = { .count = ROW }, .position = at, .from = from };
 	const gw_bake_result all = { .count = ROW, .radiance = one, .normal = up };
 	gw_bake_result of_half = { .count = ROW, .radiance = two, .normal = other };
 	of_half.report = (gw_report){ .records = 100, .record_spacing = 2.5f, .leaf_size = 2.0 };

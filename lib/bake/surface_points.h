@@ -1,0 +1,37 @@
+/*
+ * surface_points.h - a surface of some of the points, where there are more than memory holds or
+ * than its user wants to wait for.
+ *
+ * Light is smooth and scans are dense: a cave scanned every two millimetres is lit no better than
+ * one scanned every eight, but for the edges of shadows. So surface, octree and records are made of
+ * as many points as there may be, and the others are lit by them (surface_light.h).
+ *
+ * Points in rows and columns are thinned by whole rows and columns. Of the others one is taken out
+ * of each cube of a grid that is as fine as the number allows, or one of those in it that face the
+ * same of its sides, so that those are thinned most that are densest: what stands beside a scanner,
+ * and where scans overlap. Which it is, a hash of their places says, whatever their order; the one
+ * nearest to the middle would follow the grid, not the surface. It takes the mean albedo, emission
+ * and opacity of all that it stands for, so that as much is emitted and reflected as before.
+ */
+#ifndef SURFACE_POINTS_H
+#define SURFACE_POINTS_H
+
+#include "bake/point_subset.h"
+
+/* How many points the surface may be made of: gw_bake_options.surface_points, or what fits into
+ * gw_bake_options.memory; at least as many as there are where all may. */
+size_t gw_surface_points_most(const gw_points *points, const gw_bake_options *options);
+
+/*
+ * Takes about so many of the points; none of those of which it is known that they belong to no
+ * surface.
+ *   most      1 or more; of points in rows and columns half as many may be left, because these are
+ *             thinned by whole numbers
+ *   threads   0: one a core
+ *   surface   to be freed with gw_point_subset_clear, also on failure
+ * Fails with GW_ERROR_MEMORY.
+ */
+gw_status gw_surface_points_choose(const gw_points *points, size_t most, uint32_t threads,
+								   gw_point_subset *surface, gw_error *error);
+
+#endif

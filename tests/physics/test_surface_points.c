@@ -1,0 +1,384 @@
+/*
+ * test_surface_points.c - a surface of some of the points: which make it, and what light the others
+ * get by it.
+ */
+#include "bake/surface_points.h"
+#include "expected.h"
+#include "glowworm_picture.h"
+#include "scenes.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static void choose(const gw_points *points, size_t most, gw_point_subset *surface)
+{
+	gw_error error;
+	assert_ok(gw_surface_points_choose(points, most, 2, surface, &error), &error);
+}
+
+/* A square of 1 m, of `count` points at random places; every other one of them lies within the
+ * tenth of its width beside x = 0. */
+static scene uneven_square(size_t count)
+{
+	static const double up[3] = { 0, 0, 1 };
+	scene s = { .state = 3 };
+	for (size_t i = 0; i < count; i++) {
+		double width = i % 2 ? 0.1 : 1.0;
+		const double place[3] = { width * scene_random(&s), scene_random(&s), 0 };
+		scene_add(&s, place, up, 0.5f);
+	}
+	return s;
+}
+
+/* As many as were asked for, but for what the last try of a grid leaves; and evenly: cubes hold one
+ * each, so that the dense tenth has as many as any other, up to cubes on its border. */
+static void evenly_thinned(void **state)
+{
+	(void)state;
+	scene s = uneven_square(40000);
+	const gw_points points = scene_points(&s);
+	gw_point_subset surface;
+	choose(&points, 2000, &surface);
+	size_t count = surface.points.count, dense = 0;
+	assert_in_range(count, 1860, 2010);
+	for (size_t k = 0; k < count; k++) {
+		dense += surface.position[3 * k] < 0.1;
+		assert_memory_equal(surface.position + 3 * k, s.position + 3 * surface.from[k],
+							3 * sizeof(double));
+	}
+	/* Columns of 1 / sqrt(2000) m: 4.5 of them, or 4 to 6 with those that are cut. */
+	assert_in_range(dense, 4 * count / 45, 6 * count / 42);
+	gw_point_subset_clear(&surface);
+	scene_clear(&s);
+}
+
+static int by_place(const void *a, const void *b)
+{
+	return memcmp(a, b, 3 * sizeof(double));
+}
+
+/* The same places are taken in whatever order points come, and by however many threads. */
+static void order_is_no_matter(void **state)
+{
+	(void)state;
+	scene s = uneven_square(5000), turned = { .state = 1 };
+	for (size_t i = s.count; i-- > 0;)
+		scene_add(&turned, s.position + 3 * i, (double[3]){ 0, 0, 1 }, 0.5f);
+	const gw_points points = scene_points(&s), other = scene_points(&turned);
+	gw_point_subset one, two;
+	gw_error error;
+	assert_ok(gw_surface_points_choose(&points, 700, 1, &one, &error), &error);
+	choose(&other, 700, &two);
+	assert_int_equal(one.points.count, two.points.count);
+	qsort(one.position, one.points.count, 3 * sizeof(double), by_place);
+	qsort(two.position, two.points.count, 3 * sizeof(double), by_place);
+	assert_memory_equal(one.position, two.position, 3 * one.points.count * sizeof(double));
+	gw_point_subset_clear(&one);
+	gw_point_subset_clear(&two);
+	scene_clear(&s);
+	scene_clear(&turned);
+}
+
+/* A cube's point stands for all in it: those of an even square, of which a tenth emits, emit as
+ * much as before. What cubes on its border and of unlike numbers of points change is random: 200
+ * cubes of which each has its 10 points but for a standard deviation of 3. */
+static void means_are_kept(void **state)
+{
+	(void)state;
+	static const double up[3] = { 0, 0, 1 };
+	scene s = { .state = 5 };
+	for (size_t i = 0; i < 20000; i++) {
+		const double place[3] = { scene_random(&s), scene_random(&s), 0 };
+		size_t at = scene_add(&s, place, up, place[0] < 0.1 ? 0.8f : 0.2f);
+		for (size_t c = 0; c < 3 && place[0] < 0.1; c++)
+			s.emission[3 * at + c] = 10.0f;
+	}
+	s.emits = true;
+	const gw_points points = scene_points(&s);
+	gw_point_subset surface;
+	choose(&points, 2000, &surface);
+	double n = (double)surface.points.count;
+	double emission = scene_mean(surface.emission, surface.points.count, 0);
+	double albedo = scene_mean(surface.albedo, surface.points.count, 0);
+	double spread = 4.0 * 0.3 / sqrt(200.0) * 0.1; /* four deviations of the share that emits */
+	assert_true(fabs(emission - 1.0) < 10.0 * (spread + sqrt(1.0 / n)));
+	assert_true(fabs(albedo - 0.26) < 0.6 * (spread + sqrt(1.0 / n)));
+	gw_point_subset_clear(&surface);
+	scene_clear(&s);
+}
+
+/* Rows and columns stay such: of 60 x 80 cells, for a fifth of them, every third column and every
+ * second row. */
+static void images_stay_images(void **state)
+{
+	(void)state;
+	enum { ROWS = 60, COLUMNS = 80 };
+	static double position[3 * ROWS * COLUMNS];
+	static uint32_t cell[ROWS * COLUMNS];
+	for (uint32_t i = 0; i < ROWS * COLUMNS; i++) {
+		position[3 * i] = i % COLUMNS;
+		position[3 * i + 1] = (double)(i / COLUMNS);
+		cell[i] = i;
+	}
+	const gw_range_image image = { .count = ROWS * COLUMNS, .columns = COLUMNS, .rows = ROWS };
+	const gw_points points = { .count = ROWS * COLUMNS,
+							   .position = position,
+							   .image = &image,
+							   .image_count = 1,
+							   .image_cell = cell };
+	gw_point_subset surface;
+	choose(&points, ROWS * COLUMNS / 5, &surface);
+	assert_int_equal(surface.points.count, 27 * 30);
+	assert_int_equal(surface.image[0].columns, 27);
+	assert_int_equal(surface.image[0].rows, 30);
+	for (size_t k = 0; k < surface.points.count; k++) {
+		assert_int_equal(surface.image_cell[k] % 27 * 3, (int)surface.position[3 * k]);
+		assert_int_equal(surface.image_cell[k] / 27 * 2, (int)surface.position[3 * k + 1]);
+	}
+	gw_point_subset_clear(&surface);
+}
+
+static gw_bake_options thinned(uint32_t most)
+{
+	gw_bake_options o = gw_bake_options_default();
+	o.surface_points = most;
+	return o;
+}
+
+/* Under a sun alone every point of a square has irradiance 1, and reflects it by its own albedo;
+ * what is no number, or clear, is left dark; what is known to be no surface is lit and marked. */
+static void each_has_its_albedo(void **state)
+{
+	(void)state;
+	enum { COUNT = 12000, NOT_A_NUMBER = 7, CLEAR = 8, STRAY = 9 };
+	const gw_light sun = { .type = GW_LIGHT_SUN,
+						   .direction = { 0, 0, -1 },
+						   .irradiance = { 1, 1, 1 } };
+	scene s = uneven_square(COUNT);
+	uint8_t *stray = calloc(COUNT, 1);
+	float *opacity = malloc(COUNT * sizeof *opacity);
+	assert_non_null(stray);
+	assert_non_null(opacity);
+	for (size_t i = 0; i < COUNT; i++) {
+		opacity[i] = i == CLEAR ? 0.0f : 1.0f;
+		for (size_t c = 0; c < 3; c++)
+			s.albedo[3 * i + c] = (float)(i % 10) / 10.0f;
+	}
+	s.position[3 * NOT_A_NUMBER] = NAN;
+	stray[STRAY] = 1 + GW_STRAY_ALONE;
+	gw_points points = scene_points(&s);
+	points.opacity = opacity;
+	points.stray = stray;
+	const gw_bake_options options = thinned(1500);
+	gw_bake_result *r = scene_bake(&points, &sun, 1, &options);
+	assert_int_equal(r->count, COUNT);
+	assert_in_range(r->report.surface_points, 1350, 1510);
+	for (size_t i = 0; i < COUNT; i++) {
+		bool dark = i == NOT_A_NUMBER || i == CLEAR;
+		/* Roundings: of a dozen sums and products of single precision. */
+		double e = dark ? 0.0 : 1.0, near = 12 * 0x1p-23;
+		assert_true(fabs((double)r->direct_irradiance[3 * i] - e) <= near);
+		assert_true(fabs((double)r->radiance[3 * i] - e * (double)s.albedo[3 * i] / SCENE_PI) <=
+					near);
+	}
+	assert_non_null(r->stray);
+	assert_int_equal(r->stray[STRAY], 1 + GW_STRAY_ALONE);
+	gw_bake_result_destroy(&r);
+	free(stray);
+	free(opacity);
+	scene_clear(&s);
+}
+
+/* Two sheets half a spacing of the surface apart, lit from above: the lower one, which faces down,
+ * takes nothing from the upper one. */
+static void sheets_keep_their_sides(void **state)
+{
+	(void)state;
+	enum { COUNT = 20000 };
+	const gw_light sun = { .type = GW_LIGHT_SUN,
+						   .direction = { 0, 0, -1 },
+						   .irradiance = { 1, 1, 1 } };
+	scene s = { .state = 4 };
+	for (size_t i = 0; i < COUNT; i++) {
+		const double place[3] = { scene_random(&s), scene_random(&s), i % 2 ? 0.01 : 0.0 };
+		scene_add(&s, place, (double[3]){ 0, 0, i % 2 ? 1 : -1 }, 0.5f);
+	}
+	const gw_points points = scene_points(&s);
+	const gw_bake_options options = thinned(4000);
+	gw_bake_result *r = scene_bake(&points, &sun, 1, &options);
+	for (size_t i = 0; i < COUNT; i++) {
+		bool bright = r->direct_irradiance[3 * i] > 0.5f;
+		assert_int_equal(bright, i % 2);
+		assert_true((i % 2 ? 1.0f : -1.0f) * r->normal[3 * i + 2] > 0.0f);
+	}
+	gw_bake_result_destroy(&r);
+	scene_clear(&s);
+}
+
+static double luminance(const float *rgb)
+{
+	return gw_relative_luminance((double)rgb[0], (double)rgb[1], (double)rgb[2]);
+}
+
+/* Root mean square difference over the mean, at points that do not emit. */
+static double difference(const scene *s, const gw_bake_result *a, const gw_bake_result *b)
+{
+	double square = 0.0, sum = 0.0, used = 0.0;
+	for (size_t i = 0; i < s->count; i++) {
+		if (s->emission[3 * i] > 0.0f)
+			continue;
+		double off = luminance(a->radiance + 3 * i) - luminance(b->radiance + 3 * i);
+		square += off * off;
+		sum += luminance(b->radiance + 3 * i);
+		used++;
+	}
+	return sqrt(square / used) / (sum / used);
+}
+
+/*
+ * The hall, with a lamp, what glows, and a sky, by all of its points and by a third of them. The
+ * two differ by what each is wrong by, and the estimates of both say how much that is, each to
+ * within half of it.
+ */
+static void the_error_is_known(void **state)
+{
+	(void)state;
+	const gw_light lights[] = { scene_point_light(1.5, 1.0, 1.5, 3.0f),
+								{ .type = GW_LIGHT_ENVIRONMENT,
+								  .radiance = { 0.5f, 0.6f, 0.8f } } };
+	scene s = { .state = 1 };
+	scene_make_hall(&s);
+	const gw_points points = scene_points(&s);
+	gw_bake_options all = gw_bake_options_default(), some = thinned((uint32_t)s.count / 3);
+	all.lamps = some.lamps = true;
+	gw_bake_result *whole = scene_bake(&points, lights, 2, &all);
+	gw_bake_result *part = scene_bake(&points, lights, 2, &some);
+	double differ = difference(&s, part, whole);
+	double stated = hypot(part->report.error.relative_rms, whole->report.error.relative_rms);
+	print_message("differ by %.3f, stated %.3f (between points %.3f)\n", differ, stated,
+				  part->report.error.between);
+	assert_true(part->report.error.between > 0.0);
+	assert_true(differ < 1.5 * stated);
+	assert_true(part->report.error.relative_rms < 3.0 * differ);
+	for (size_t i = 0; i < s.count; i++) {
+		double sum = part->rest ? (double)part->rest[3 * i] : 0.0;
+		for (size_t k = 0; k < part->lamp_count; k++)
+			sum += (double)part->lamp[k][3 * i];
+		/* Roundings, and lights solved one by one: those of all together stop when what is left is
+		 * below the tolerance, each of these likewise. */
+		assert_true(fabs(sum - (double)part->radiance[3 * i]) <=
+					(double)some.tolerance * 3.0 * (sum + 1.0));
+	}
+	gw_bake_result_destroy(&whole);
+	gw_bake_result_destroy(&part);
+	scene_clear(&s);
+}
+
+/* The same bytes whatever the threads; and of a region that region alone. */
+static void same_by_any_threads(void **state)
+{
+	(void)state;
+	const gw_light lamp = scene_point_light(1.5, 1.0, 1.5, 3.0f);
+	scene s = { .state = 1 };
+	scene_make_small_hall(&s);
+	const gw_points points = scene_points(&s);
+	uint8_t *asked = calloc(s.count, 1);
+	assert_non_null(asked);
+	for (size_t i = 0; i < s.count; i++)
+		asked[i] = s.position[3 * i] < 2.0;
+	const gw_region region = { .point = asked };
+	gw_bake_options options = thinned(1000), parallel = thinned(1000), part = thinned(1000);
+	options.threads = 1;
+	parallel.threads = 3;
+	part.region = &region;
+	gw_bake_result *one = scene_bake(&points, &lamp, 1, &options);
+	gw_bake_result *three = scene_bake(&points, &lamp, 1, &parallel);
+	gw_bake_result *some = scene_bake(&points, &lamp, 1, &part);
+	assert_memory_equal(one->radiance, three->radiance, 3 * s.count * sizeof(float));
+	assert_non_null(some->asked);
+	for (size_t i = 0; i < s.count; i++) {
+		assert_int_equal(some->asked[i], asked[i]);
+		if (!asked[i])
+			assert_true(some->radiance[3 * i] == 0.0f && some->normal[3 * i + 2] == 0.0f);
+	}
+	gw_bake_result_destroy(&one);
+	gw_bake_result_destroy(&three);
+	gw_bake_result_destroy(&some);
+	free(asked);
+	scene_clear(&s);
+}
+
+/* As many as memory holds, where it holds some; with less a bake is refused as ever. */
+static void memory_says_how_many(void **state)
+{
+	(void)state;
+	scene s = uneven_square(40000);
+	const gw_points points = scene_points(&s);
+	gw_bake_options options = gw_bake_options_default();
+	assert_int_equal(gw_surface_points_most(&points, &options), s.count);
+	options.memory = UINT64_C(1) << 40;
+	assert_int_equal(gw_surface_points_most(&points, &options), s.count);
+	options.memory = UINT64_C(1) << 20;
+	assert_int_equal(gw_surface_points_most(&points, &options), s.count);
+	size_t least = s.count, fewer = 0;
+	for (options.memory = UINT64_C(100) << 20; options.memory < UINT64_C(2) << 30;
+		 options.memory += UINT64_C(4) << 20) {
+		size_t most = gw_surface_points_most(&points, &options);
+		least = most < least ? most : least;
+		fewer += most < s.count;
+	}
+	assert_true(fewer > 0);
+	assert_in_range(least, 10000, 20000);
+	scene_clear(&s);
+}
+
+static void expect_refusal(const scene *s, const gw_bake_options *options, const char *text)
+{
+	const gw_points points = scene_points(s);
+	const gw_light lamp = scene_point_light(0.5, 0.5, 1.0, 1.0f);
+	const gw_scene_description description = { &points, &lamp, 1 };
+	gw_bake_result *result = NULL;
+	gw_error error;
+	assert_int_equal(gw_bake(&description, options, NULL, &result, &error), GW_ERROR_USAGE);
+	assert_non_null(strstr(error.text, text));
+}
+
+static void what_cannot_be_is_refused(void **state)
+{
+	(void)state;
+	const gw_camera camera = { .tangent = 1.0 };
+	const gw_region seen = { .camera = &camera, .aspect = 1.0 };
+	const gw_transport transport = { 0 };
+	scene s = uneven_square(2000);
+	gw_bake_options options = thinned(1000);
+	options.region = &seen;
+	expect_refusal(&s, &options, "camera");
+	options = thinned(1000);
+	options.transport = &transport;
+	expect_refusal(&s, &options, "transport");
+	const gw_points points = scene_points(&s);
+	const gw_scene_description description = { &points, NULL, 0 };
+	gw_scene *prepared = NULL;
+	gw_error error;
+	options = thinned(1000);
+	assert_int_equal(gw_scene_create(&description, &options, NULL, &prepared, &error),
+					 GW_ERROR_USAGE);
+	scene_clear(&s);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(evenly_thinned),       cmocka_unit_test(order_is_no_matter),
+		cmocka_unit_test(means_are_kept),       cmocka_unit_test(images_stay_images),
+		cmocka_unit_test(each_has_its_albedo),  cmocka_unit_test(sheets_keep_their_sides),
+		cmocka_unit_test(the_error_is_known),   cmocka_unit_test(same_by_any_threads),
+		cmocka_unit_test(memory_says_how_many), cmocka_unit_test(what_cannot_be_is_refused),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
