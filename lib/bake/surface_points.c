@@ -14,11 +14,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Bytes of a bake: at all, a point that is lit, and a point of the surface. A rough cave of 1.4
- * million points takes 1,450 of these, a room of a million 950. */
+/* Bytes of a bake: at all, and a point of the surface, as a rough cave of 1.4 million points has
+ * them; a room of a million has two thirds. When these are given back, the light of all points takes
+ * less. */
 #define FIXED_BYTES (UINT64_C(160) << 20)
-#define LIT_BYTES 100u
-#define SURFACE_BYTES 1500u
+#define SURFACE_BYTES 1450u
 
 /* With fewer points a bake is refused for want of memory rather than made of next to nothing. */
 #define POINTS_LEAST 10000u
@@ -35,12 +35,12 @@ size_t gw_surface_points_most(const gw_points *points, const gw_bake_options *op
 	if (options->surface_points > 0)
 		return options->surface_points;
 	uint64_t available = gw_available_memory() / 4 * 3, taken = gw_resident_memory();
-	uint64_t beside = FIXED_BYTES + LIT_BYTES * (uint64_t)points->count, left = available;
+	uint64_t left = available;
 	if (options->memory > 0)
 		left = options->memory > taken ? options->memory - taken : 0;
 	if (left == 0 || options->transport || (options->region && options->region->camera))
 		return points->count;
-	uint64_t most = left > beside ? (left - beside) / SURFACE_BYTES : 0;
+	uint64_t most = left > FIXED_BYTES ? (left - FIXED_BYTES) / SURFACE_BYTES : 0;
 	return most < POINTS_LEAST || most > points->count ? points->count : (size_t)most;
 }
 

@@ -52,13 +52,12 @@ static void report_surface(const thinned *t, gw_report *report)
 	gw_report_count(report, "beside_surface", all - count, meaning);
 }
 
-/* Stages are in the order in which they ran: thinning is the first, and what follows the last. */
 static void report_stages(const thinned *t, double seconds, gw_report *report)
 {
-	const gw_stage spreading = { .name = "points beside the surface", .seconds = seconds };
+	const gw_stage choosing = { .name = "choice of points", .seconds = t->seconds };
+	const gw_stage spreading = { .name = "points beside", .seconds = seconds };
+	gw_report_add_stage(report, &choosing);
 	gw_report_add_stage(report, &spreading);
-	if (report->stage_count > 0)
-		report->stage[0].seconds += t->seconds;
 }
 
 static gw_status bake_surface(thinned *t, const gw_bake_callbacks *callbacks,
