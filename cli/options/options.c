@@ -510,8 +510,10 @@ const option options[] = {
 	{ "max-error", 'e', "X", OPTION_REAL, FOR(BAKE | PLAN | TRADEOFF), .scene = true,
 	  AT(bake.max_error), RANGE(0.0, 1.0), .open = true, .automatic = "none",
 	  .automatic_value = 0.0, .group = "Light",
-	  .help = "refine until the estimated error is at most this, 0.05 being 5 % of the mean "
-			  "radiance; starts from --quality or, when that is not given, from few records" },
+	  .help =
+		  "refine until the estimated error is at most this, 0.05 being 5 % of the mean "
+		  "radiance; starts from --quality or, when that is not given, from few records, and in "
+		  "large clouds from few --surface-points" },
 	{ "time", 't', "S", OPTION_REAL, FOR(BAKE | PLAN), .scene = true, AT(bake.time_limit),
 	  RANGE(0.0, 1e9), .open = true, .automatic = "none", .automatic_value = 0.0, .group = "Light",
 	  .help = "refine as long as reading and baking are done in so many seconds; the "

@@ -4,6 +4,7 @@
  */
 #include "bake/bake.h"
 #include "bake/half_sample.h"
+#include "bake/progress_part.h"
 #include "bake/report.h"
 #include "bake/scene.h"
 #include "bake/options_check.h"
@@ -15,55 +16,12 @@
 /* What a bake of all points is of the time where halves of them follow. */
 #define WHOLE_SHARE 0.57
 
-/* The callbacks of the whole, for a part of it. */
-typedef struct part {
-	const gw_bake_callbacks *whole; /* NULL: nobody listens */
-	double from, share;             /* of the progress */
-	const char *name;               /* NULL: that of each stage */
-} part;
-
 /* A bake takes as long as its points are many: where halves will follow, so much is left of it. */
-static const part parts[] = { { .from = 0.0, .share = WHOLE_SHARE },
-							  { .from = 0.57, .share = 0.29, .name = "half the points" },
-							  { .from = 0.86, .share = 0.14, .name = "a quarter of the points" } };
-
-/* The part of halves, where the first part told all of the progress up to `told`. */
-static part after(const part *half, double told)
-{
-	part p = *half;
-	p.from = fmax(p.from, told);
-	p.share = fmin(p.share, 1.0 - p.from);
-	return p;
-}
-
-static void progress_of_part(void *user, const char *stage, double done)
-{
-	const part *p = user;
-	if (p->whole->progress)
-		p->whole->progress(p->whole->user, p->name ? p->name : stage, p->from + p->share * done);
-}
-
-static bool part_is_cancelled(void *user)
-{
-	const part *p = user;
-	return p->whole->cancelled && p->whole->cancelled(p->whole->user);
-}
-
-static void whole_is_planned(void *user, const gw_bake_result *plan)
-{
-	const part *p = user;
-	p->whole->planned(p->whole->user, plan);
-}
-
-/* Only the first part tells what is planned. */
-static gw_bake_callbacks callbacks_of(part *p, const gw_bake_callbacks *whole)
-{
-	bool planned = whole && whole->planned && p->from <= 0.0;
-	p->whole = whole;
-	return whole ? (gw_bake_callbacks){ progress_of_part, part_is_cancelled, p,
-										planned ? whole_is_planned : NULL }
-				 : (gw_bake_callbacks){ .user = NULL };
-}
+static const gw_progress_part parts[] = {
+	{ .from = 0.0, .share = WHOLE_SHARE },
+	{ .from = 0.57, .share = 0.29, .name = "half the points" },
+	{ .from = 0.86, .share = 0.14, .name = "a quarter of the points" }
+};
 
 /* The bake of all points. */
 typedef struct whole {
@@ -73,6 +31,16 @@ typedef struct whole {
 	gw_gpu *device; /* what it left, for those of halves; owned */
 	double told;    /* of the progress */
 } whole;
+
+/* The part of halves, after what the first part told of the progress. */
+static gw_progress_part after(const whole *w, const gw_progress_part *half)
+{
+	gw_progress_part p = *half;
+	p.whole = w->callbacks;
+	p.from = fmax(p.from, w->told);
+	p.share = fmin(p.share, 1.0 - p.from);
+	return p;
+}
 
 /* A bake with the settings that the whole one began with, on the device of that one, and with its
  * passes. level: as the half was made; of half of a half nobody asks about sides. */
@@ -110,9 +78,9 @@ static void add_work(gw_stage *stage, const gw_bake_result *result)
 static gw_status compare_halves(whole *w, gw_stage *stage, gw_bake_result *result, gw_error *error)
 {
 	gw_point_subset half, quarter = { .from = NULL };
-	part second_part = after(&parts[1], w->told), third_part = after(&parts[2], w->told);
-	const gw_bake_callbacks of_second = callbacks_of(&second_part, w->callbacks);
-	const gw_bake_callbacks of_third = callbacks_of(&third_part, w->callbacks);
+	gw_progress_part second_part = after(w, &parts[1]), third_part = after(w, &parts[2]);
+	const gw_bake_callbacks of_second = gw_progress_part_callbacks(&second_part);
+	const gw_bake_callbacks of_third = gw_progress_part_callbacks(&third_part);
 	gw_bake_result *of_half = NULL, *of_quarter = NULL;
 	const gw_report *r = &result->report;
 	gw_half_difference first = { 0 }, second = { 0 };
@@ -168,9 +136,10 @@ gw_status gw_bake_checked(const gw_scene_description *scene, const gw_bake_optio
 						  gw_error *error)
 {
 	double start = gw_seconds();
-	part first = parts[0];
+	gw_progress_part first = parts[0];
+	first.whole = callbacks;
 	first.share = gw_half_sample_is_likely(scene->points, options) ? first.share : 1.0;
-	const gw_bake_callbacks of_first = callbacks_of(&first, callbacks);
+	const gw_bake_callbacks of_first = gw_progress_part_callbacks(&first);
 	whole w = { .scene = scene, .options = options, .callbacks = callbacks, .told = first.share };
 	gw_status status = gw_bake_once(scene, options, (gw_bake_manner){ .device = &w.device },
 									&of_first, result, error);

@@ -15,13 +15,19 @@
 #include <string.h>
 
 /* Bytes of a bake: at all, and a point of the surface, as a rough cave of 1.4 million points has
- * them; a room of a million has two thirds. When these are given back, the light of all points takes
- * less. */
+ * them; a room of a million has two thirds. When these are given back, the light of all points
+ * takes less. */
 #define FIXED_BYTES (UINT64_C(160) << 20)
 #define SURFACE_BYTES 1450u
 
 /* With fewer points a bake is refused for want of memory rather than made of next to nothing. */
 #define POINTS_LEAST 10000u
+
+/* Points of a surface whose light may be exact enough where an error is asked for. */
+#define FIRST_TRIED 50000u
+
+/* From one to the next: tries that fail take a tenth of the one that does not, together. */
+#define STEP 16u
 
 /* The grid is good with from NEARLY to all of the cubes that are wanted, and aims in between. */
 #define NEARLY 0.94
@@ -42,6 +48,16 @@ size_t gw_surface_points_most(const gw_points *points, const gw_bake_options *op
 		return points->count;
 	uint64_t most = left > FIXED_BYTES ? (left - FIXED_BYTES) / SURFACE_BYTES : 0;
 	return most < POINTS_LEAST || most > points->count ? points->count : (size_t)most;
+}
+
+size_t gw_surface_points_next(size_t tried, double error, double wanted, size_t most)
+{
+	size_t next = tried > 0 ? tried : FIRST_TRIED;
+	while (tried > 0 && next < most && error > wanted) {
+		next *= STEP;
+		error *= 0.25;
+	}
+	return next <= most / STEP ? next : most;
 }
 
 /* ------------------------------------------------------------------------------------- a grid */

@@ -23,6 +23,15 @@
 size_t gw_surface_points_most(const gw_points *points, const gw_bake_options *options);
 
 /*
+ * How many to try next where an error is asked for: fewer points first, since light is smooth; then
+ * sixteen times as many, which have a quarter of the error at best.
+ *   tried   of how many a bake was made, 0: none yet
+ *   error   that it stated, of which wanted is asked for
+ *   most    returned where no fewer are worth a bake of their own
+ */
+size_t gw_surface_points_next(size_t tried, double error, double wanted, size_t most);
+
+/*
  * Takes about so many of the points; none of those of which it is known that they belong to no
  * surface.
  *   most      1 or more; of points in rows and columns half as many may be left, because these are

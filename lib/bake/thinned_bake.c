@@ -1,10 +1,11 @@
 /*
  * thinned_bake.c - gw_bake and gw_plan_bake: bakes of all points, or where there are more than
- * memory holds or than their user wants to wait for, of a surface of some of them by which the
- * others are lit; see surface_points.h.
+ * memory holds, their user wants to wait for or an error that is asked for takes, of a surface of
+ * some of them by which the others are lit; see surface_points.h.
  */
 #include "bake/bake.h"
 #include "bake/options_check.h"
+#include "bake/progress_part.h"
 #include "bake/report.h"
 #include "bake/surface_light.h"
 #include "bake/surface_points.h"
@@ -16,20 +17,37 @@
 typedef struct thinned {
 	const gw_scene_description *whole;
 	const gw_bake_options *options;
+	size_t limit; /* more than this its points cannot be, or are not to be */
+	size_t most;  /* that this one may be made of */
 	gw_point_subset surface;
-	double seconds; /* that thinning took */
+	double seconds; /* that choosing it took */
 } thinned;
+
+/* Whether smaller surfaces are tried first, until one has the error that is asked for. */
+static bool climbs(const gw_bake_options *o)
+{
+	return o->max_error > 0.0f && !(o->time_limit > 0.0f) && o->surface_points == 0 && !o->region;
+}
+
+static thinned begin(const gw_scene_description *scene, const gw_bake_options *options)
+{
+	size_t limit = gw_surface_points_most(scene->points, options);
+	return (thinned){ .whole = scene,
+					  .options = options,
+					  .limit = limit,
+					  .most =
+						  climbs(options) ? gw_surface_points_next(0, 0.0, 0.0, limit) : limit };
+}
 
 /* The surface of a scene; all points where they are few enough, and then none are taken. */
 static gw_status thin(thinned *t, gw_error *error)
 {
 	const gw_points *points = t->whole->points;
 	const gw_region *region = t->options->region;
-	size_t most = gw_surface_points_most(points, t->options);
 	double start = gw_seconds();
-	if (most >= points->count)
+	if (t->most >= points->count)
 		return GW_OK;
-	GW_TRY(gw_surface_points_choose(points, most, t->options->threads, &t->surface, error));
+	GW_TRY(gw_surface_points_choose(points, t->most, t->options->threads, &t->surface, error));
 	if (region && region->point)
 		GW_TRY(gw_point_subset_ask(&t->surface, region->point, error));
 	t->seconds = gw_seconds() - start;
@@ -40,49 +58,89 @@ static gw_status thin(thinned *t, gw_error *error)
 	return GW_OK;
 }
 
+static const char *why_thinned(const thinned *t)
+{
+	return t->options->surface_points > 0 ? "more were not to be"
+		   : t->most < t->limit           ? "more would not make the error less than is asked for"
+										  : "memory holds no more";
+}
+
 static void report_surface(const thinned *t, gw_report *report)
 {
 	size_t all = t->whole->points->count, count = t->surface.points.count;
 	char meaning[200];
 	snprintf(meaning, sizeof meaning,
 			 "point{ is|s are} lit by the surface that %zu others make, %.3g m apart: %s", count,
-			 report->spacing,
-			 t->options->surface_points > 0 ? "more were not to be" : "memory holds no more");
+			 report->spacing, why_thinned(t));
 	report->surface_points = count;
 	gw_report_count(report, "beside_surface", all - count, meaning);
 }
 
-static void report_stages(const thinned *t, double seconds, gw_report *report)
+static void add_stage(const char *name, double seconds, gw_report *report)
 {
-	const gw_stage choosing = { .name = "choice of points", .seconds = t->seconds };
-	const gw_stage spreading = { .name = "points beside", .seconds = seconds };
-	gw_report_add_stage(report, &choosing);
-	gw_report_add_stage(report, &spreading);
+	gw_stage stage = { .seconds = seconds };
+	snprintf(stage.name, sizeof stage.name, "%s", name);
+	if (seconds > 0.0)
+		gw_report_add_stage(report, &stage);
+}
+
+/* What lies between points may be what makes the error too large. */
+static void hold_against_target(const gw_bake_options *options, gw_report *report)
+{
+	double wanted = (double)options->max_error;
+	if (!(wanted > 0.0) || report->missed || report->error.relative_rms <= wanted)
+		return;
+	report->missed = true;
+	report->goal = GW_GOAL_EXHAUSTED;
+}
+
+/* From the light of the surface to that of all points. */
+static gw_status light_others(const thinned *t, gw_bake_result *result, gw_error *error)
+{
+	const gw_region *region = t->options->region;
+	const gw_surface_light_task task = { .points = t->whole->points,
+										 .surface = &t->surface,
+										 .asked = region ? region->point : NULL,
+										 .estimated = t->options->normals == GW_NORMALS_ESTIMATE,
+										 .threads = t->options->threads };
+	double start = gw_seconds();
+	GW_TRY(gw_surface_light_spread(&task, result, error));
+	report_surface(t, &result->report);
+	hold_against_target(t->options, &result->report);
+	add_stage("choice of points", t->seconds, &result->report);
+	add_stage("points beside", gw_seconds() - start, &result->report);
+	return GW_OK;
 }
 
 static gw_status bake_surface(thinned *t, const gw_bake_callbacks *callbacks,
 							  gw_bake_result **result, gw_error *error)
 {
-	const gw_scene_description part = { &t->surface.points, t->whole->lights,
-										t->whole->light_count };
+	bool all = t->surface.from == NULL;
+	const gw_scene_description part = { all ? t->whole->points : &t->surface.points,
+										t->whole->lights, t->whole->light_count };
+	const gw_region region = { .point = t->surface.asked };
 	gw_bake_options options = *t->options;
 	options.surface_points = (uint32_t)t->surface.points.count;
-	const gw_region region = { .point = t->surface.asked };
-	options.region = options.region ? &region : NULL;
+	options.region = !all && options.region ? &region : options.region;
 	GW_TRY(gw_bake_checked(&part, &options, callbacks, result, error));
-	const gw_surface_light_task task = { .points = t->whole->points,
-										 .surface = &t->surface,
-										 .asked =
-											 t->options->region ? t->options->region->point : NULL,
-										 .estimated = options.normals == GW_NORMALS_ESTIMATE,
-										 .threads = options.threads };
-	double start = gw_seconds();
-	report_surface(t, &(*result)->report);
-	gw_status status = gw_surface_light_spread(&task, *result, error);
-	if (status == GW_OK)
-		report_stages(t, gw_seconds() - start, &(*result)->report);
-	else
+	gw_status status = all ? GW_OK : light_others(t, *result, error);
+	if (status != GW_OK)
 		gw_bake_result_destroy(result);
+	return status;
+}
+
+/* One bake, of a surface or of all points. part: receives which of the progress it is. */
+static gw_status try_surface(thinned *t, gw_progress_part *part, gw_bake_result **result,
+							 gw_error *error)
+{
+	double share = (double)t->most / ((double)t->limit + (double)t->most);
+	part->share = (1.0 - part->from) * (t->most < t->limit ? share : 1.0);
+	const gw_bake_callbacks callbacks = gw_progress_part_callbacks(part);
+	gw_status status = thin(t, error);
+	if (status == GW_OK)
+		status = bake_surface(t, &callbacks, result, error);
+	gw_point_subset_clear(&t->surface);
+	part->from += part->share;
 	return status;
 }
 
@@ -90,6 +148,7 @@ gw_status gw_bake(const gw_scene_description *scene, const gw_bake_options *opti
 				  const gw_bake_callbacks *callbacks, gw_bake_result **result, gw_error *error)
 {
 	const gw_bake_options ordinary = gw_bake_options_default();
+	double start = gw_seconds(), before = 0.0;
 	*result = NULL;
 	options = options ? options : &ordinary;
 	GW_TRY(gw_options_check(options, scene, error));
@@ -97,15 +156,18 @@ gw_status gw_bake(const gw_scene_description *scene, const gw_bake_options *opti
 	if (options->region && callbacks && callbacks->planned)
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "what the light of a region takes is not foretold; ask for no plan of it");
-	gw_bake_options all = effective;
-	all.surface_points = 0;
-	thinned t = { .whole = scene, .options = &effective };
-	gw_status status = thin(&t, error);
-	if (status == GW_OK)
-		status = t.surface.from ? bake_surface(&t, callbacks, result, error)
-								: gw_bake_checked(scene, &all, callbacks, result, error);
-	gw_point_subset_clear(&t.surface);
-	return status;
+	thinned t = begin(scene, &effective);
+	gw_progress_part part = { .whole = callbacks };
+	GW_TRY(try_surface(&t, &part, result, error));
+	while ((*result)->report.missed && t.most < t.limit) {
+		double stated = (*result)->report.error.relative_rms;
+		t.most = gw_surface_points_next(t.most, stated, (double)effective.max_error, t.limit);
+		gw_bake_result_destroy(result);
+		before = gw_seconds() - start;
+		GW_TRY(try_surface(&t, &part, result, error));
+	}
+	add_stage("smaller surfaces", before, &(*result)->report);
+	return GW_OK;
 }
 
 gw_status gw_plan_bake(const gw_scene_description *scene, const gw_bake_options *options,
@@ -120,14 +182,16 @@ gw_status gw_plan_bake(const gw_scene_description *scene, const gw_bake_options 
 					   "what the light of a region takes is not foretold; plan the whole scene");
 	const gw_bake_options effective = gw_options_effective(options);
 	const gw_bake_manner planning = { .planning = true };
-	thinned t = { .whole = scene, .options = &effective };
-	GW_TRY(thin(&t, error));
-	const gw_scene_description part = { t.surface.from ? &t.surface.points : scene->points,
-										scene->lights, scene->light_count };
+	thinned t = begin(scene, &effective);
+	gw_status status = thin(&t, error);
+	bool all = t.surface.from == NULL;
+	const gw_scene_description part = { all ? scene->points : &t.surface.points, scene->lights,
+										scene->light_count };
 	gw_bake_options of_part = effective;
 	of_part.surface_points = (uint32_t)t.surface.points.count;
-	gw_status status = gw_bake_once(&part, &of_part, planning, callbacks, plan, error);
-	if (status == GW_OK && t.surface.from)
+	if (status == GW_OK)
+		status = gw_bake_once(&part, &of_part, planning, callbacks, plan, error);
+	if (status == GW_OK && !all)
 		report_surface(&t, &(*plan)->report);
 	gw_point_subset_clear(&t.surface);
 	return status;

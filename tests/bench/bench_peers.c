@@ -438,13 +438,35 @@ static gw_status climb_targets(problem *p, ladder *l)
 	return GW_OK;
 }
 
+/* Surfaces of some of the points, and draft and normal settings for each. */
+static gw_status climb_surfaces(problem *p, ladder *l)
+{
+	bool over = false;
+	uint32_t points = 50000;
+	for (int i = 0; i < 6 && !over && points < p->points.count; i++) {
+		gw_bake_options options = gw_bake_options_default();
+		gw_quality quality = i % 2 == 0 ? GW_QUALITY_DRAFT : GW_QUALITY_NORMAL;
+		char setting[64];
+		gw_bake_options_set_quality(&options, quality);
+		options.estimate_points = 0;
+		options.surface_points = points;
+		snprintf(setting, sizeof setting, "%s, surface %u", gw_quality_name(quality), points);
+		GW_TRY(try_bake(p, l, &options, setting, &over));
+		points *= i % 2 == 0 ? 1 : 4;
+	}
+	return GW_OK;
+}
+
 /* ------------------------------------------------------------------------------------ main */
 
 static gw_status measure(problem *p)
 {
-	ladder ladders[4] = {
-		{ .name = "paths" }, { .name = "cached" }, { .name = "presets" }, { .name = "targets" }
-	};
+	ladder ladders[] = { { .name = "paths" },
+						 { .name = "cached" },
+						 { .name = "presets" },
+						 { .name = "targets" },
+						 { .name = "surfaces" } };
+	const size_t count = sizeof ladders / sizeof *ladders;
 	p->found = calloc(p->known ? p->known : 1, sizeof *p->found);
 	if (!p->found)
 		return gw_fail(&p->error, GW_ERROR_MEMORY, "no memory for %zu points", p->known);
@@ -455,9 +477,11 @@ static gw_status measure(problem *p)
 		status = climb_presets(p, &ladders[2]);
 	if (status == GW_OK)
 		status = climb_targets(p, &ladders[3]);
+	if (status == GW_OK)
+		status = climb_surfaces(p, &ladders[4]);
 	printf("\nseconds (of all processors) to\n%-10s %19s %19s %19s %19s\n", "", "5 %",
 		   "5 % of best 99", "3 %", "3 % of best 99");
-	for (int i = 0; i < 4; i++)
+	for (size_t i = 0; i < count; i++)
 		print_reached(&ladders[i]);
 	return status;
 }

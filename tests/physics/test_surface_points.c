@@ -337,6 +337,46 @@ static void memory_says_how_many(void **state)
 	scene_clear(&s);
 }
 
+/* Few at first; sixteen times as many where that may do; and all where it cannot, or where there
+ * are hardly more. */
+static void an_error_asks_for_more(void **state)
+{
+	(void)state;
+	assert_int_equal(gw_surface_points_next(0, 0.0, 0.05, 100000000), 50000);
+	assert_int_equal(gw_surface_points_next(50000, 0.15, 0.05, 100000000), 800000);
+	assert_int_equal(gw_surface_points_next(50000, 0.3, 0.05, 100000000), 100000000);
+	assert_int_equal(gw_surface_points_next(50000, 0.06, 0.05, 10000000), 10000000);
+	assert_int_equal(gw_surface_points_next(0, 0.0, 0.05, 700000), 700000);
+	assert_int_equal(gw_surface_points_next(0, 0.0, 0.05, 3000), 3000);
+}
+
+/* A grey box of 810,000 points, lit from its middle: a surface of 50,000 is enough for 10 %. All of
+ * its light, 4 pi W of the lamp, is reflected by half each time; and what is stated bounds what the
+ * means are off. */
+static void an_error_takes_few_points(void **state)
+{
+	(void)state;
+	const gw_light lamp = scene_point_light(0.5, 0.5, 0.5, 1.0f);
+	scene s = { .state = 2 };
+	scene_add_box(&s, (double[3]){ 0, 0, 0 }, (double[3]){ 1, 1, 1 }, 367.5, 0.5f);
+	const gw_points points = scene_points(&s);
+	gw_bake_options options = gw_bake_options_default();
+	gw_bake_options_set_start(&options);
+	options.max_error = 0.1f;
+	gw_bake_result *r = scene_bake(&points, &lamp, 1, &options);
+	double direct = scene_mean(r->direct_irradiance, r->count, 0);
+	double all = direct + scene_mean(r->indirect_irradiance, r->count, 0);
+	double stated = r->report.error.relative_rms;
+	assert_in_range(r->report.surface_points, 45000, 51000);
+	assert_false(r->report.missed);
+	assert_true(stated > 0.0 && stated <= 0.1);
+	assert_true(scene_has_stage(&r->report, "points beside"));
+	assert_true(fabs(direct / (4.0 * SCENE_PI / 6.0) - 1.0) < stated);
+	assert_true(fabs(all / (8.0 * SCENE_PI / 6.0) - 1.0) < stated);
+	gw_bake_result_destroy(&r);
+	scene_clear(&s);
+}
+
 static void expect_refusal(const scene *s, const gw_bake_options *options, const char *text)
 {
 	const gw_points points = scene_points(s);
@@ -374,11 +414,18 @@ static void what_cannot_be_is_refused(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(evenly_thinned),       cmocka_unit_test(order_is_no_matter),
-		cmocka_unit_test(means_are_kept),       cmocka_unit_test(images_stay_images),
-		cmocka_unit_test(each_has_its_albedo),  cmocka_unit_test(sheets_keep_their_sides),
-		cmocka_unit_test(the_error_is_known),   cmocka_unit_test(same_by_any_threads),
-		cmocka_unit_test(memory_says_how_many), cmocka_unit_test(what_cannot_be_is_refused),
+		cmocka_unit_test(evenly_thinned),
+		cmocka_unit_test(order_is_no_matter),
+		cmocka_unit_test(means_are_kept),
+		cmocka_unit_test(images_stay_images),
+		cmocka_unit_test(each_has_its_albedo),
+		cmocka_unit_test(sheets_keep_their_sides),
+		cmocka_unit_test(the_error_is_known),
+		cmocka_unit_test(same_by_any_threads),
+		cmocka_unit_test(memory_says_how_many),
+		cmocka_unit_test(an_error_asks_for_more),
+		cmocka_unit_test(an_error_takes_few_points),
+		cmocka_unit_test(what_cannot_be_is_refused),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
