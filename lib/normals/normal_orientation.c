@@ -301,6 +301,7 @@ static void add_view(const gw_side_view *more, gw_side_view *sum)
 {
 	sum->light += more->light;
 	sum->first += more->first;
+	sum->shone += more->shone;
 	sum->lit += more->lit;
 	sum->area += more->area;
 	sum->met += more->met;

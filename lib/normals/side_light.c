@@ -50,6 +50,17 @@
  * between discs. */
 #define WINDOW 0.02
 #define LEAK 0.0003
+/*
+ * Where no more than this share ends in none, nothing is known to be open: what sun and sky bring
+ * came in between discs, as little as it is, and a sealed thing is dark inside but for lamps. Discs
+ * let through LEAK at most, of sheets of random points that meet in edges; of the 8 rays that go
+ * down of the RAYS from each of PLACES places, 33,000, that is 10 with a standard deviation of 3.1,
+ * and this is three such above it. A room of 85 m^2 around has windows of 0.05 m^2 or more then.
+ */
+#define SEALED (2.0 * LEAK)
+/* A lamp within shines on more than this share of the area; through leaks one shines on LEAK of it,
+ * and what emits on RAYS times that at most. */
+#define SHONE_LEAST 0.05
 /* A ray goes down where it falls by this share of its length. */
 #define DOWN 0.3f
 
@@ -76,6 +87,7 @@ typedef struct place {
 	float area; /* that it stands for, m^2 */
 	gw_disc disc;
 	double direct[2]; /* irradiance on either side, luminance: of lamps and sun */
+	bool shone[2];    /* by lamps, which have a place, or by what emits */
 	double first[2];  /* before any reflection */
 	double lit[2];    /* likewise, without light from where nothing was scanned */
 	double total[2];
@@ -231,8 +243,10 @@ static bool is_free(const side_work *w, const place *p, gw_vec3 direction, float
 static void add_direct(const side_work *w, place *p, gw_vec3 direction, float length, double value)
 {
 	float cosine = gw_dot(p->disc.normal, direction);
-	if (value > 0.0 && fabsf(cosine) > LOWEST && is_free(w, p, direction, length))
-		p->direct[cosine < 0.0f] += value * fabs((double)cosine);
+	if (!(value > 0.0) || !(fabsf(cosine) > LOWEST) || !is_free(w, p, direction, length))
+		return;
+	p->direct[cosine < 0.0f] += value * fabs((double)cosine);
+	p->shone[cosine < 0.0f] |= length < w->reach;
 }
 
 static void add_lamp(const side_work *w, place *p, const gw_light *l)
@@ -301,6 +315,7 @@ static void shoot(const side_work *w, place *p, size_t number, bool back)
 		p->end[back][ray] = 2 * disc + from_behind;
 		p->path[back] += log((double)length);
 		p->dark_path[back] += w->blocks[disc].radiance > 0.0f ? 0.0 : (double)length;
+		p->shone[back] |= w->blocks[disc].radiance > 0.0f;
 		p->met[back]++;
 	}
 }
@@ -381,6 +396,7 @@ static void add_place(const place *p, int side, gw_side_view *sum)
 	sum->area += area;
 	sum->light += area * p->total[side];
 	sum->first += p->met[side] >= INDOORS * RAYS ? area * p->first[side] : 0.0;
+	sum->shone += p->shone[side] ? area : 0.0;
 	sum->lit += area * p->lit[side];
 	sum->met += area * p->met[side] / RAYS;
 	sum->path += area * p->path[side] / RAYS;
@@ -396,6 +412,8 @@ double gw_side_factor(const gw_side_view *side)
 	double closed = side->met / side->area;
 	if (side->down > 0.0)
 		closed = fmin(closed, side->down_met / side->down);
+	if (1.0 - closed < SEALED && side->shone < SHONE_LEAST * side->area)
+		return 1.0;
 	double path = pow(exp(side->path / side->met) / ROOM_PATH, 4.0);
 	double wide = path / (1.0 + path);
 	double factor = ROOM_FACTOR * pow(closed, 16.0) * wide;

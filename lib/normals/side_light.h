@@ -36,6 +36,7 @@ typedef struct gw_patches {
 typedef struct gw_side_view {
 	double light;     /* irradiance, luminance, in a unit that is the same for all */
 	double first;     /* of that, what was not reflected before, at places that may be in a room */
+	double shone;     /* m^2 that lamps or what emits shine on, whatever light is asked about */
 	double lit;       /* irradiance straight from lamps, sun, sky and what emits */
 	double area;      /* m^2 */
 	double met;       /* share of the rays that met surface */

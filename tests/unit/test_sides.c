@@ -188,6 +188,46 @@ static void add_random_ball(cloud *c, size_t count, double radius, uint64_t *sta
 	}
 }
 
+#define FACETS 40
+
+/* Random points on a ball of flat facets around 0, outwards: where directions meet the nearest of
+ * the planes that touch it. */
+static void add_faceted_ball(cloud *c, size_t count, double radius, uint64_t *state)
+{
+	for (size_t i = 0; i < count; i++) {
+		double z = 2 * next_random(state) - 1, turn = 2 * PI * next_random(state);
+		double r = sqrt(1 - z * z), way[3] = { r * cos(turn), r * sin(turn), z };
+		double facet[3] = { 0 }, most = 0, p[3];
+		for (size_t k = 0; k < FACETS; k++) {
+			double up = 1 - (2 * (double)k + 1) / FACETS, flat = sqrt(1 - up * up);
+			double angle = 2.399963229728653 * (double)k;
+			double n[3] = { flat * cos(angle), flat * sin(angle), up };
+			double cosine = n[0] * way[0] + n[1] * way[1] + n[2] * way[2];
+			if (cosine > most)
+				memcpy(facet, n, sizeof facet);
+			most = fmax(most, cosine);
+		}
+		for (int k = 0; k < 3; k++)
+			p[k] = radius * way[k] / most;
+		add(c, p, facet);
+	}
+}
+
+/* As wide as a room, and nowhere open: the little that gets in between random points is no window's
+ * light. By which points there are, more or less of it does. */
+static void test_sealed_thing(void **state)
+{
+	(void)state;
+	for (uint64_t seed = 1; seed <= 4; seed++) {
+		uint64_t random = 7919 * seed;
+		cloud *c = new_cloud();
+		add_faceted_ball(c, 20000, 1, &random);
+		assert_right(c, &sky, "a sealed thing of facets under the sky");
+		assert_right(c, &sun, "a sealed thing of facets in the sun");
+		free(c);
+	}
+}
+
 /* A horn on a ball of that radius: a cone along an axis of space, a tenth as wide as long, its base
  * inside of the ball. */
 static void add_horn(cloud *c, size_t count, double ball, int axis, double facing, uint64_t *state)
@@ -804,6 +844,7 @@ int main(void)
 		cmocka_unit_test(test_closed_thing),
 		cmocka_unit_test(test_leaves_before_scanner),
 		cmocka_unit_test(test_columns_far_apart),
+		cmocka_unit_test(test_sealed_thing),
 		cmocka_unit_test(test_horned_body),
 		cmocka_unit_test(test_lit_from_within),
 		cmocka_unit_test(test_room),
