@@ -7,12 +7,14 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #define TURNED 0.6    /* length of the mean direction to the points, below which it turned around */
 #define STEEPEST 0.6  /* sine of the steepest view, 37 degrees: steeper ones look odd */
 #define UPRIGHT 0.98  /* of the sine, too, 79 degrees: whoever looks down or up faces no way */
 #define WIDEST 75.0   /* degrees, of a picture; what is beyond is left out */
 #define NARROWEST 1.0 /* degrees */
+#define CENTRAL 0.667 /* of the way to the picture's edge, where the middle of all may be */
 #define MARGIN 1.05   /* of a picture that holds all */
 #define BEYOND 100    /* one in so many points may lie beyond the picture */
 #define CLEAR 0.9     /* of the way to what counts: nearer, there are only strays */
@@ -73,9 +75,13 @@ static double fit(const view_space *v, const gw_camera *camera, float *slope, do
 	return (double)gw_nth_element(slope, count, count - 1 - count / BEYOND);
 }
 
-static gw_status stand(const view_space *v, const double scanner[3], const double way[3],
-					   float *slope, gw_viewpoint *to, gw_error *error)
+/* Stands there and looks `way`, unless what the scanner saw, on the mean in the direction of
+ * `mean`, would lie at the picture's edge: as the ground does below an aeroplane, of which a level
+ * view shows a line. */
+static gw_status stand(const view_space *v, const double mean[3], const double way[3], float *slope,
+					   gw_viewpoint *to, gw_error *error)
 {
+	const double *scanner = v->wish->scanner;
 	gw_camera camera;
 	double ahead[3], nearest, distance = 0;
 	for (int k = 0; k < 3; k++) {
@@ -86,6 +92,9 @@ static gw_status stand(const view_space *v, const double scanner[3], const doubl
 	GW_TRY(gw_camera_look(&camera, scanner, ahead, v->up, WIDEST, error));
 	double tangent = MARGIN * fit(v, &camera, slope, &nearest);
 	double angle = fmin(fmax(atan(tangent) * 360 / M_PI, NARROWEST), WIDEST);
+	double turned = fmax(view_dot(mean, way), 0);
+	if (!(sqrt(1 - fmin(turned * turned, 1)) < CENTRAL * tan(angle * M_PI / 360) * turned))
+		return GW_OK;
 	to->angle = v->wish->angle > 0 ? v->wish->angle : angle;
 	for (int k = 0; k < 3; k++) {
 		to->at[k] = scanner[k];
@@ -98,16 +107,17 @@ static gw_status stand(const view_space *v, const double scanner[3], const doubl
 
 gw_status gw_viewpoint_of_scanner(const view_space *v, gw_viewpoint *to, gw_error *error)
 {
-	double way[3];
-	if (v->wish->scanner_count != 1 || mean_direction(v, v->wish->scanner, way) < TURNED)
+	double mean[3], way[3];
+	if (v->wish->scanner_count != 1 || mean_direction(v, v->wish->scanner, mean) < TURNED)
 		return GW_OK;
-	if (fabs(view_dot(way, v->up)) > UPRIGHT)
+	if (fabs(view_dot(mean, v->up)) > UPRIGHT)
 		return GW_OK;
+	memcpy(way, mean, sizeof way);
 	level(v, way);
 	float *slope = gw_allocate_array(v->surfels->count, sizeof *slope);
 	if (!slope)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory to look for a viewpoint");
-	gw_status status = stand(v, v->wish->scanner, way, slope, to, error);
+	gw_status status = stand(v, mean, way, slope, to, error);
 	free(slope);
 	return status;
 }

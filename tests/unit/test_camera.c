@@ -490,6 +490,36 @@ static void test_scanner_above(void **state)
 		assert_true(isfinite(v.at[k]) && isfinite(v.to[k]));
 }
 
+/* What a scanner saw from high above, at a sine of .96, would be a line at the edge of a picture
+ * that is level enough: a strip of ground, all of which a picture from elsewhere shows. From a
+ * slope of 45 degrees it lies in the middle of the scanner's own. */
+static void test_airborne(void **state)
+{
+	(void)state;
+	double position[3 * 400];
+	for (size_t i = 0; i < 400; i++) {
+		position[3 * i] = 300 + 4 * (double)(i % 5);
+		position[3 * i + 1] = 10 * ((double)(i / 5) - 39.5);
+		position[3 * i + 2] = 0;
+	}
+	double scanner[3] = { 0, 0, 1100 };
+	gw_viewpoint_wish wish = { .scanner = scanner, .scanner_count = 1 };
+	gw_viewpoint v = find_view(position, 400, wish);
+	gw_camera c;
+	assert_false(v.from_scanner);
+	assert_int_equal(gw_camera_look(&c, v.at, v.to, z_up, v.angle, NULL), GW_OK);
+	for (size_t i = 0; i < 400; i++) {
+		double way[3], view[3];
+		for (size_t k = 0; k < 3; k++)
+			way[k] = position[3 * i + k] - v.at[k];
+		gw_camera_turn(&c, way, view);
+		assert_true(fabs(view[0]) < 1.5 * c.tangent * view[2]);
+		assert_true(fabs(view[1]) < c.tangent * view[2]);
+	}
+	scanner[2] = 300;
+	assert_true(find_view(position, 400, wish).from_scanner);
+}
+
 /* Right-handed for every axis; that of depth cameras is right, down and ahead. */
 static void test_stand(void **state)
 {
@@ -662,6 +692,7 @@ int main(void)
 		cmocka_unit_test(test_scanner_side),
 		cmocka_unit_test(test_depth_camera),
 		cmocka_unit_test(test_scanner_above),
+		cmocka_unit_test(test_airborne),
 		cmocka_unit_test(test_stand),
 		cmocka_unit_test(test_choice),
 	};
