@@ -287,7 +287,9 @@ double gw_viewpoint_enclosure(const gw_surfels *surfels);
  * of them meet a surface the cell is enclosed. A cloud is seen from inside when it encloses space,
  * most of its surface is seen from there, and its fronts are: by its normals if they were given,
  * else because scanners stood there, or else because there is a floor to stand on, of a size for
- * people. A space that is open on a side, such as a stage, is looked at from outside.
+ * people. A space that is open on a side, such as a stage, is looked at from outside. But where
+ * fronts and light are known, it is seen from inside, too, when most of the light is there, and
+ * less than a quarter of it where the view from outside shows it.
  *
  * Inside: where there is floor, at the height of eyes, or in the air when there is none; the view
  * is best that sees far, and lit surfaces. Outside: slightly from above, where most surface is seen

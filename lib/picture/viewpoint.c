@@ -46,6 +46,55 @@ static char find_flat(const view_space *v)
 	return lies && v->up[flat] == 0.0 ? (char)('x' + flat) : 0;
 }
 
+#define SHOWN_LEAST                                                                                \
+	0.25            /* share of the light that a view from outside shows of what is lit there */
+#define OWN_CELLS 2 /* around a surface that do not hide it */
+
+/* Whether what is in a cell is seen from a place, in cells, by its front. */
+static bool shows(const view_space *v, size_t cell, const double place[3])
+{
+	double way[3], length;
+	int32_t at[3];
+	gw_view_space_place(v, cell, at);
+	for (int k = 0; k < 3; k++)
+		way[k] = place[k] - at[k];
+	length = sqrt(view_dot(way, way));
+	for (int k = 0; k < 3; k++)
+		way[k] /= length;
+	if (!(gw_view_space_facing(v, cell, way) > 0))
+		return false;
+	view_hit hit = gw_view_space_look(v, at, way, OWN_CELLS);
+	return !(hit.depth > 0 && hit.depth < length);
+}
+
+/* The share of the light that comes from what is seen from a place in the points' coordinates. */
+static double share_shown(const view_space *v, const double place[3])
+{
+	double all = 0, shown = 0, cell[3];
+	for (size_t k = 0; k < 3; k++)
+		cell[k] = (place[k] - v->surfels->origin[k] - v->least[k]) / v->width - 0.5;
+	for (size_t i = 0; i < v->count; i++)
+		if (v->cell[i].light > 0.0f) {
+			all += (double)v->cell[i].light;
+			shown += shows(v, i, cell) ? (double)v->cell[i].light : 0;
+		}
+	return all > 0 ? shown / all : 1;
+}
+
+/* Goes inside where most of the light is there and none of that is seen from outside: lamps light
+ * rooms of a building of which the rest is dark. Where there is no place with a better view, or
+ * nobody knows which sides are fronts, the viewpoint stays. */
+static void go_to_light(const view_space *v, gw_viewpoint *viewpoint)
+{
+	gw_viewpoint within = { .flat = viewpoint->flat };
+	double shown = v->wish->luminance && v->sided ? share_shown(v, viewpoint->at) : 1;
+	if (!(shown < SHOWN_LEAST))
+		return;
+	gw_viewpoint_within(v, &within);
+	if (within.inside && share_shown(v, within.at) > SHOWN_LEAST)
+		*viewpoint = within;
+}
+
 static gw_status find_in(const view_space *space, const gw_viewpoint_wish *wish,
 						 gw_viewpoint *viewpoint, gw_error *error)
 {
@@ -59,7 +108,12 @@ static gw_status find_in(const view_space *space, const gw_viewpoint_wish *wish,
 		GW_TRY(gw_viewpoint_is_inside(space, &inside, error));
 	if (inside)
 		gw_viewpoint_within(space, viewpoint);
-	return viewpoint->inside ? GW_OK : gw_viewpoint_without(space, viewpoint, error);
+	if (viewpoint->inside)
+		return GW_OK;
+	GW_TRY(gw_viewpoint_without(space, viewpoint, error));
+	if (wish->kind == GW_VIEWPOINT_AUTO)
+		go_to_light(space, viewpoint);
+	return GW_OK;
 }
 
 gw_status gw_viewpoint_find(const gw_surfels *surfels, const gw_viewpoint_wish *wish,

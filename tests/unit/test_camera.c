@@ -284,6 +284,55 @@ static void test_stage(void **state)
 	free(normal);
 }
 
+/* A cellar with its normals inwards, below a meadow of 40 by 40 m; the view with that light on
+ * both.
+ */
+static gw_viewpoint view_cellar(float cellar, float meadow)
+{
+	const double room[3] = { 4, 4, 3 };
+	double *position = calloc(7 * SIDE_POINTS * SIDE_POINTS * 3, sizeof *position);
+	float *normal = calloc(7 * SIDE_POINTS * SIDE_POINTS * 3, sizeof *normal);
+	size_t in = fill_box(room, false, position), count = in + SIDE_POINTS * SIDE_POINTS;
+	for (size_t i = 0; i < 3 * in; i++) {
+		bool low = position[i] <= 0, high = position[i] >= room[i % 3];
+		normal[i] = low ? 1.0f : high ? -1.0f : 0.0f;
+	}
+	for (size_t i = in; i < count; i++) {
+		position[3 * i] = (double)((i - in) % SIDE_POINTS) - 18;
+		position[3 * i + 1] = (double)((i - in) / SIDE_POINTS) - 18;
+		position[3 * i + 2] = 5;
+		normal[3 * i + 2] = 1;
+	}
+	gw_points points = { .count = count, .position = position, .normal = normal };
+	gw_surfels_options options = { .threads = 1 };
+	gw_surfels s;
+	gw_viewpoint v;
+	assert_int_equal(gw_surfels_make(&points, &options, &s, NULL), GW_OK);
+	float *light = calloc(s.count, sizeof *light);
+	for (size_t i = 0; i < s.count; i++)
+		light[i] = s.origin[2] + (double)s.position[3 * i + 2] > 4 ? meadow : cellar;
+	gw_viewpoint_wish wish = { .up = 'z', .aspect = 1.5, .luminance = light };
+	assert_int_equal(gw_viewpoint_find(&s, &wish, &v, NULL), GW_OK);
+	gw_surfels_clear(&s);
+	free(position);
+	free(normal);
+	free(light);
+	return v;
+}
+
+/* Nearly all surface is the meadow, and is looked at from above; but not to show it in the dark
+ * when a lamp lights the cellar. The meadow is 16 times as large: as bright, it has most light. */
+static void test_lit_within(void **state)
+{
+	(void)state;
+	gw_viewpoint v = view_cellar(1, 0.001f);
+	assert_true(v.inside);
+	assert_true(v.at[2] > 0 && v.at[2] < 3);
+	assert_false(view_cellar(1, 1).inside);
+	assert_false(view_cellar(0.001f, 1).inside);
+	assert_false(view_cellar(0, 0).inside);
+}
+
 #define MOUNT_POINTS 20 /* a side */
 
 /* What carried a scanner, as it saw it itself: a square of half a metre, 10 cm below it. */
@@ -685,6 +734,7 @@ int main(void)
 		cmocka_unit_test(test_size_for_people),
 		cmocka_unit_test(test_ball),
 		cmocka_unit_test(test_stage),
+		cmocka_unit_test(test_lit_within),
 		cmocka_unit_test(test_scanned_room),
 		cmocka_unit_test(test_fence_is_no_room),
 		cmocka_unit_test(test_strays),
