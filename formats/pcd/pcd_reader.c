@@ -383,20 +383,6 @@ static bool moves_nothing(const pcd_header *h)
 	return true;
 }
 
-/* The default says nothing; in an organised cloud it is the camera itself, unless rows and columns
- * are seen from elsewhere. */
-static gw_status take_viewpoint(const pcd_header *h, scan *cloud, gw_error *error)
-{
-	const double *place = h->viewpoint;
-	if (moves_nothing(h)) {
-		if (h->height < 2 || h->width < 2)
-			return GW_OK;
-		if (cloud->image_count > 0 && scan_settle_origin(cloud, 0))
-			place = cloud->image[0].scanner;
-	}
-	return scan_add_scanner(cloud, place, 0, cloud->count, error);
-}
-
 /* Sums for a straight line through points. */
 typedef struct line_sums {
 	double n, x, y, xx, yy, xy;
@@ -456,6 +442,30 @@ static gw_status take_frame(const pcd_header *h, scan *cloud, gw_error *error)
 							SCAN_NOTE "this is a depth camera's picture in its own frame, in which "
 									  "-y points up; if it does not, give --up",
 							error);
+}
+
+/*
+ * The default says nothing. In an organised cloud it is the camera itself where the points are in
+ * its frame, or where rows and columns are seen from there; else what they are seen from. Where
+ * they are seen from nowhere, as those of a laser that nods, nobody knows where it stood.
+ */
+static gw_status take_viewpoint(const pcd_header *h, scan *cloud, gw_error *error)
+{
+	const double *place = h->viewpoint;
+	if (moves_nothing(h)) {
+		if (h->height < 2 || h->width < 2)
+			return GW_OK;
+		if (cloud->image_count > 0 && scan_settle_origin(cloud, 0))
+			place = cloud->image[0].scanner;
+		else if (!is_camera_frame(h, cloud))
+			return scan_add_comment(cloud,
+									SCAN_NOTE "the file's VIEWPOINT is the default, and rows and "
+											  "columns were not seen from there, nor from any one "
+											  "place: where the scanner stood is not known; "
+											  "--scanner says it",
+									error);
+	}
+	return scan_add_scanner(cloud, place, 0, cloud->count, error);
 }
 
 /* An organised cloud is a picture, row after row. */

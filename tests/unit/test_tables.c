@@ -400,6 +400,35 @@ static scan read_camera_picture(bool flip)
 	return read_text(pcd_read, text, NULL);
 }
 
+/* Rows and columns of a wavy sheet, even in x and y: no rays of one place. */
+static scan read_height_map(const char *viewpoint)
+{
+	char text[16384] = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 20\nHEIGHT 20\n"
+					   "VIEWPOINT ";
+	size_t used = strlen(text);
+	used += (size_t)snprintf(text + used, sizeof text - used, "%s\nPOINTS 400\nDATA ascii\n",
+							 viewpoint);
+	for (int i = 0; i < 400; i++)
+		used += (size_t)snprintf(text + used, sizeof text - used, "%g %g %g\n", 0.1 * (i % 20) - 1,
+								 0.1 * (i / 20) - 1, 0.2 * sin(i % 20) * cos(0.7 * (i / 20)));
+	return read_text(pcd_read, text, NULL);
+}
+
+/* A VIEWPOINT that is the default is no scanner's where rows and columns deny it; any other is. */
+static void pcd_of_no_camera(void **state)
+{
+	(void)state;
+	scan cloud = read_height_map("0 0 0 1 0 0 0");
+	assert_int_equal(cloud.scanner_count, 0);
+	assert_int_equal(cloud.comment_count, 1);
+	assert_non_null(strstr(cloud.comment[0], "where the scanner stood is not known"));
+	scan_clear(&cloud);
+	cloud = read_height_map("0 0 1 1 0 0 0");
+	assert_int_equal(cloud.scanner_count, 1);
+	assert_int_equal(cloud.comment_count, 0);
+	scan_clear(&cloud);
+}
+
 /* In the frame of a depth camera y points down, which the reader finds out and says. */
 static void pcd_of_depth_camera(void **state)
 {
@@ -709,6 +738,7 @@ int main(void)
 		cmocka_unit_test(ptx_that_is_damaged),
 		cmocka_unit_test(pcd_of_text),
 		cmocka_unit_test(pcd_of_depth_camera),
+		cmocka_unit_test(pcd_of_no_camera),
 		cmocka_unit_test(pcd_of_bytes),
 		cmocka_unit_test(pcd_of_packed_bytes),
 		cmocka_unit_test(every_number_comes_back),
