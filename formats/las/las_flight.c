@@ -27,6 +27,11 @@
 #define LEFT_MOST 0.25
 #define OFF_MOST 0.05
 
+/* Where no height is told, the sensor is taken to be so many metres above all, or so many times the
+ * width: as seen from everywhere on the ground it is overhead then, to 3 degrees. */
+#define ABOVE_LEAST 1000.0
+#define ABOVE_WIDTHS 10.0
+
 /* The height is found again with that of the ground below each beam. */
 #define ROUNDS 3
 
@@ -44,12 +49,14 @@ typedef struct window {
 	size_t first, count; /* beams */
 	double place[3];     /* of the sensor, halfway */
 	uint32_t scanner;    /* or SCAN_NO_SCANNER */
+	bool alike;          /* its angles, which neither tell a height nor deny one */
 } window;
 
 typedef struct flight {
 	const scan_column *position[3], *angle, *time, *source; /* the last two: or NULL */
 	double angle_step;
-	double time_scale; /* 1 for seconds; what makes seconds of the order in the file */
+	double time_scale;  /* 1 for seconds; what makes seconds of the order in the file */
+	double least, most; /* angles, degrees */
 	beam *beams;
 	size_t beam_count;
 	window *windows;
@@ -93,9 +100,11 @@ static bool find_columns(flight *f, const scan *cloud)
 	return f->position[0] && f->position[1] && f->position[2] && varies(f->angle, cloud->count);
 }
 
-static bool load_beam(const flight *f, size_t point, beam *to)
+static bool load_beam(flight *f, size_t point, beam *to)
 {
 	double degrees = scan_value(f->angle, point) * f->angle_step;
+	f->least = fmin(f->least, degrees);
+	f->most = fmax(f->most, degrees);
 	*to = (beam){ .source = source_of(f, point),
 				  .time = time_of(f, point),
 				  .tangent = tan(degrees * (M_PI / 180.0)) };
@@ -238,6 +247,13 @@ static double left_over(const fit *s, double solution[3][2])
 	return left;
 }
 
+/* Whether the tangents of a window vary too little to tell anything. */
+static bool are_alike(const fit *s)
+{
+	double n = s->m[0][0], sum = s->m[0][2];
+	return s->m[2][2] - sum * sum / n < SPREAD_LEAST * SPREAD_LEAST * n;
+}
+
 /* Where the sensor was halfway through a window; false where its beams do not say. */
 static bool fit_window(const flight *f, window *w)
 {
@@ -250,6 +266,7 @@ static bool fit_window(const flight *f, window *w)
 	}
 	for (int round = 0; round < ROUNDS; round++) {
 		sum_beams(f, w, &s);
+		w->alike = round == 0 && are_alike(&s);
 		if (!solve(&s, solution, &spread))
 			return false;
 		s.height = hypot(solution[2][0], solution[2][1]);
@@ -314,6 +331,39 @@ static gw_status take_scanners(flight *f, scan *cloud, gw_error *error)
 					known, cloud->count, round(low), round(high));
 }
 
+/* Whether this is a piece of a flight, too small for angles that tell a height: no window tells or
+ * denies one, there are times, and all beams go down. */
+static bool is_piece(const flight *f)
+{
+	size_t alike = 0;
+	for (size_t i = 0; i < f->window_count; i++) {
+		const window *w = f->windows + i;
+		if (w->count >= WINDOW_LEAST && !w->alike)
+			return false;
+		alike += w->alike ? w->count : 0;
+	}
+	return f->time && f->source && 2 * alike > f->beam_count && f->least >= -ANGLE_MOST &&
+		   f->most <= ANGLE_MOST;
+}
+
+static gw_status take_above(const flight *f, scan *cloud, gw_error *error)
+{
+	double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY };
+	for (const beam *b = f->beams; b < f->beams + f->beam_count; b++)
+		for (int k = 0; k < 3; k++) {
+			low[k] = fmin(low[k], b->place[k]);
+			high[k] = fmax(high[k], b->place[k]);
+		}
+	double width = hypot(high[0] - low[0], high[1] - low[1]);
+	double place[3] = { 0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]),
+						round(high[2] + fmax(ABOVE_LEAST, ABOVE_WIDTHS * width)) };
+	GW_TRY(scan_add_scanner(cloud, place, 0, cloud->count, error));
+	return las_note(cloud, error,
+					"airborne: scan angles from %g to %g degrees, too much alike in each flight "
+					"line to tell from how high; taken as seen from far above",
+					round(f->least), round(f->most));
+}
+
 static gw_status find(flight *f, scan *cloud, gw_error *error)
 {
 	GW_TRY(load_beams(f, cloud, error));
@@ -322,12 +372,14 @@ static gw_status find(flight *f, scan *cloud, gw_error *error)
 		window *w = f->windows + i;
 		w->scanner = w->count >= WINDOW_LEAST && fit_window(f, w) ? 0 : SCAN_NO_SCANNER;
 	}
+	if (f->window_count && is_piece(f))
+		return take_above(f, cloud, error);
 	return f->window_count ? take_scanners(f, cloud, error) : GW_OK;
 }
 
 gw_status las_flight_find(scan *cloud, gw_error *error)
 {
-	flight f = { 0 };
+	flight f = { .least = INFINITY, .most = -INFINITY };
 	if (!find_columns(&f, cloud))
 		return GW_OK;
 	gw_status status = find(&f, cloud, error);

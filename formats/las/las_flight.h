@@ -7,6 +7,9 @@
  * every window of time of every flight line (point_source_id) a straight line is fitted through
  * places over time and tangent. What no such line fits, as scans from the ground, stays unknown;
  * so does what has no angles. Without times the order in the file is taken for them.
+ *
+ * A piece of a flight, in each line of which all angles are much alike, tells no height. It was
+ * seen from above all the same, and a place far above its middle stands for the sensor's.
  */
 #ifndef LAS_FLIGHT_H
 #define LAS_FLIGHT_H

@@ -70,8 +70,9 @@ static void send_beam(flown *f, size_t i, const double way[2], double degrees)
 	f->value[3][i] = rint(degrees);
 }
 
-/* Two lines, north-east and back, of three seconds each, 50 sweeps a second; the aircraft sways. */
-static flown fly(void)
+/* Two lines, north-east and back, of three seconds each, 50 sweeps a second; the aircraft sways.
+ * Beams leave it at so many degrees around those of the middle, on the same side of the ground. */
+static flown fly_at(double middle, double degrees)
 {
 	flown f = make(BEAMS);
 	const double way[2] = { 0.8, 0.6 };
@@ -83,11 +84,16 @@ static flown fly(void)
 		for (size_t k = 0; k < 2; k++)
 			f.sensor[3 * i + k] = SPEED * seconds * to[k] + (k ? 0 : EAST);
 		f.sensor[3 * i + 2] = HEIGHT;
-		send_beam(&f, i, to, 40 * sweep + roll);
+		send_beam(&f, i, to, turn * middle + degrees * (sweep + roll / 40));
 		f.value[4][i] = 250000 + seconds + (back ? 600 : 0);
 		f.value[5][i] = back ? 12 : 11;
 	}
 	return f;
+}
+
+static flown fly(void)
+{
+	return fly_at(0, 40);
 }
 
 /* Share of the points whose sensor is known and lies in the true direction to within 0.1 rad. */
@@ -133,6 +139,29 @@ static void fine_angles_without_times(void **state)
 	find(&f);
 	assert_true(found_share(&f) > 0.999);
 	clear(&f);
+}
+
+/* A tile of which each line saw one degree or two tells no height, but that it was seen from above;
+ * without times, or where a beam did not go down, it may be anything. */
+static void pieces_are_seen_from_above(void **state)
+{
+	(void)state;
+	for (int kind = 0; kind < 3; kind++) {
+		flown f = fly_at(9.5, 1);
+		if (kind == 1)
+			scan_remove_column(&f.cloud, "gps_time");
+		if (kind == 2)
+			f.value[3][77] = 80;
+		find(&f);
+		assert_int_equal(f.cloud.scanner_count, kind == 0);
+		assert_int_equal(f.cloud.comment_count, kind == 0);
+		if (kind == 0) {
+			assert_non_null(strstr(f.cloud.comment[0], "from -10 to 10 degrees"));
+			assert_true(fabs(f.cloud.scanner[0] - EAST) < 300);
+			assert_true(f.cloud.scanner[2] > HEIGHT);
+		}
+		clear(&f);
+	}
 }
 
 /* A lamp between roof and ground lights what nobody saw: the side that was seen stays the front. */
@@ -203,6 +232,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(two_lines),
 		cmocka_unit_test(fine_angles_without_times),
+		cmocka_unit_test(pieces_are_seen_from_above),
 		cmocka_unit_test(seen_sides_are_fronts),
 		cmocka_unit_test(others_are_left_alone),
 	};
