@@ -46,8 +46,8 @@ static char find_flat(const view_space *v)
 	return lies && v->up[flat] == 0.0 ? (char)('x' + flat) : 0;
 }
 
-#define SHOWN_LEAST                                                                                \
-	0.25            /* share of the light that a view from outside shows of what is lit there */
+/* Share of the light that a view from outside shows of what is lit there, at least. */
+#define SHOWN_LEAST 0.25
 #define OWN_CELLS 2 /* around a surface that do not hide it */
 
 /* Whether what is in a cell is seen from a place, in cells, by its front. */
