@@ -19,6 +19,7 @@
 #define CHUNK 8192u  /* points that are summed up by themselves */
 #define FACING 0.5f  /* least cosine between normals of one surface */
 #define INV_PI 0.318309886f
+#define FARTHEST 1e15
 
 /* Sums of a chunk; doubles, added in order. */
 typedef struct sums {
@@ -230,13 +231,15 @@ static void compare(const spread *s, uint32_t row, const around *a, sums *sum)
 
 /* ---------------------------------------------------------------------------------- over all */
 
+/* Where a point is to be lit, from the middle; no farther than FARTHEST, of which squares are
+ * within float32. False where it is not lit. */
 static bool place_of(const spread *s, size_t point, float at[3])
 {
 	const double *p = s->task->points->position + 3 * point;
 	const float *opacity = s->task->points->opacity;
 	for (size_t c = 0; c < 3; c++)
-		at[c] = (float)(p[c] - s->middle[c]);
-	return isfinite(at[0]) && isfinite(at[1]) && isfinite(at[2]) &&
+		at[c] = (float)fmin(fmax(p[c] - s->middle[c], -FARTHEST), FARTHEST);
+	return isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2]) &&
 		   !(opacity && !(opacity[point] > 0.0f)) && !(s->task->asked && !s->task->asked[point]);
 }
 

@@ -5,6 +5,7 @@
 
 #include "base/hash.h"
 #include "base/memory.h"
+#include "cloud/bulk_bounds.h"
 #include "cloud/frame.h"
 #include "glowworm_host.h"
 
@@ -141,6 +142,7 @@ static gw_status find_width(grid *g, double wanted, uint32_t threads, gw_error *
 	if (!c.bits)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory to thin %zu points", g->points->count);
 	gw_finite_bounds(g->points, low, high);
+	gw_bulk_bounds(g->points, low, high);
 	for (size_t k = 0; k < 3; k++)
 		extent = fmax(extent, high[k] - low[k]);
 	g->width = fmax(extent, DBL_MIN) / sqrt(wanted);
@@ -149,7 +151,7 @@ static gw_status find_width(grid *g, double wanted, uint32_t threads, gw_error *
 		if (cubes <= wanted && cubes >= NEARLY * wanted)
 			break;
 		double step = sqrt(fmin(fmax(cubes, 1.0), 64.0 * wanted) / (AIM * wanted));
-		g->width = fmax(g->width * fmin(fmax(step, 1e-3), 1e3), 1e-12 * extent);
+		g->width = fmax(g->width * fmin(fmax(step, 1e-3), 1e3), DBL_MIN);
 	}
 	free(c.bits);
 	return GW_OK;

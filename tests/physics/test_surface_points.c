@@ -84,6 +84,29 @@ static void order_is_no_matter(void **state)
 	scene_clear(&turned);
 }
 
+/* Points far off all others make no difference to the grid; where all are at one place there is one
+ * cube. */
+static void strays_widen_no_cubes(void **state)
+{
+	(void)state;
+	static const double up[3] = { 0, 0, 1 };
+	scene s = uneven_square(20000);
+	scene_add(&s, (double[3]){ 1e9, 0, 0 }, up, 0.5f);
+	scene_add(&s, (double[3]){ 1e30, -1e30, 0 }, up, 0.5f);
+	gw_points points = scene_points(&s);
+	gw_point_subset surface;
+	choose(&points, 2000, &surface);
+	assert_in_range(surface.points.count, 1860, 2010);
+	gw_point_subset_clear(&surface);
+	for (size_t i = 0; i < 3 * s.count; i++)
+		s.position[i] = 7.0;
+	points = scene_points(&s);
+	choose(&points, 2000, &surface);
+	assert_int_equal(surface.points.count, 1);
+	gw_point_subset_clear(&surface);
+	scene_clear(&s);
+}
+
 /* A cube's point stands for all in it: those of an even square, of which a tenth emits, emit as
  * much as before. What cubes on its border and of unlike numbers of points change is random: 200
  * cubes of which each has its 10 points but for a standard deviation of 3. */
@@ -155,7 +178,7 @@ static gw_bake_options thinned(uint32_t most)
 static void each_has_its_albedo(void **state)
 {
 	(void)state;
-	enum { COUNT = 12000, NOT_A_NUMBER = 7, CLEAR = 8, STRAY = 9 };
+	enum { COUNT = 12000, NOT_A_NUMBER = 7, CLEAR = 8, STRAY = 9, FAR = 10 };
 	const gw_light sun = { .type = GW_LIGHT_SUN,
 						   .direction = { 0, 0, -1 },
 						   .irradiance = { 1, 1, 1 } };
@@ -170,6 +193,7 @@ static void each_has_its_albedo(void **state)
 			s.albedo[3 * i + c] = (float)(i % 10) / 10.0f;
 	}
 	s.position[3 * NOT_A_NUMBER] = NAN;
+	s.position[3 * FAR] = 1e30;
 	stray[STRAY] = 1 + GW_STRAY_ALONE;
 	gw_points points = scene_points(&s);
 	points.opacity = opacity;
@@ -416,6 +440,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(evenly_thinned),
 		cmocka_unit_test(order_is_no_matter),
+		cmocka_unit_test(strays_widen_no_cubes),
 		cmocka_unit_test(means_are_kept),
 		cmocka_unit_test(images_stay_images),
 		cmocka_unit_test(each_has_its_albedo),
