@@ -36,9 +36,9 @@ typedef struct spread {
 	float *place;  /* 3 a lit point of the surface, from the middle */
 	uint32_t *row; /* the same: which of the surface it is */
 	size_t rows;
-	uint32_t *own; /* one a point of all: 1 + which of the surface it is; 0: none */
-	size_t *order; /* one a point of all: those that are near each other follow each other */
-	sums *sum;     /* one a chunk */
+	uint8_t *chosen; /* one a point of all: 1 for those of the surface */
+	size_t *order;   /* one a point of all: those that are near each other follow each other */
+	sums *sum;       /* one a chunk */
 	atomic_bool failed;
 } spread;
 
@@ -292,8 +292,8 @@ static void use_found(const spread *s, size_t which, int *found, float *squared,
 		choose_normal(s, which, s->row[found[0]], normal);
 		weigh(s, found, squared, count, normal, &a);
 		take_light(s, which, normal, &a);
-		sum->beside += s->own[which] == 0;
-		sum->distance += s->own[which] == 0 ? sqrt((double)squared[0]) : 0.0;
+		sum->beside += !s->chosen[which];
+		sum->distance += !s->chosen[which] ? sqrt((double)squared[0]) : 0.0;
 		return;
 	}
 	uint32_t k = 0;
@@ -373,11 +373,11 @@ static bool open_index(spread *s)
 	size_t count = surface->points.count;
 	s->place = gw_allocate_array(count + 1, 3 * sizeof *s->place);
 	s->row = gw_allocate_array(count + 1, sizeof *s->row);
-	s->own = gw_allocate_zeros(s->task->points->count + 1, sizeof *s->own);
-	if (!s->place || !s->row || !s->own)
+	s->chosen = gw_allocate_zeros(s->task->points->count, sizeof *s->chosen);
+	if (!s->place || !s->row || !s->chosen)
 		return false;
 	for (size_t k = 0; k < count; k++) {
-		s->own[surface->from[k]] = (uint32_t)k + 1;
+		s->chosen[surface->from[k]] = 1;
 		if (!is_lit(s->lit, k))
 			continue;
 		if (s->rows == 0)
@@ -501,7 +501,7 @@ gw_status gw_surface_light_spread(const gw_surface_light_task *task, gw_bake_res
 	gw_neighbour_index_free(s.index);
 	free(s.place);
 	free(s.row);
-	free(s.own);
+	free(s.chosen);
 	free(s.order);
 	gw_bake_result *rest = good ? result : &out;
 	free_room(rest);

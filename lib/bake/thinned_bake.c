@@ -61,7 +61,7 @@ static gw_status thin(thinned *t, gw_error *error)
 static const char *why_thinned(const thinned *t)
 {
 	return t->options->surface_points > 0 ? "more were not to be"
-		   : t->most < t->limit           ? "more would not make the error less than is asked for"
+		   : t->most < t->limit           ? "the error that is asked for takes no more"
 										  : "memory holds no more";
 }
 

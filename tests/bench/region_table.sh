@@ -6,13 +6,7 @@
 # A cave of 1.4 million points with a tenth of it by a box and with what a camera in it sees, and a
 # Cornell box with one wall and with what a camera before it sees. Environment: GLOWWORM
 # (build/glowworm).
-set -eu
-export LC_ALL=C
-root=$(cd "$(dirname "$0")/../.." && pwd)
-glowworm=$(realpath "${GLOWWORM:-$root/build/glowworm}")
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work"
+. "$(dirname "$0")/bench_folder"
 cp "$root"/samples/cave.scene.json .
 "$root/build/samples/make_cave" --points 1400000 -o cave.ply
 "$root/build/samples/make_box" --scene cornell --points 500000 -o box.ply

@@ -5,13 +5,7 @@
 #
 # A Cornell box and rooms of a million points, beside their traced truths, and a rough cave of 1.4
 # million beside a bake of all of its points. Environment: GLOWWORM (build/glowworm).
-set -eu
-export LC_ALL=C
-root=$(cd "$(dirname "$0")/../.." && pwd)
-glowworm=$(realpath "${GLOWWORM:-$root/build/glowworm}")
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work"
+. "$(dirname "$0")/bench_folder"
 for kind in cornell rooms; do
 	"$root/build/tests/bench/make_truth" $kind -o $kind -n 1000000 -t 4000 -p 1024 2>/dev/null
 done

@@ -107,9 +107,11 @@ static void strays_widen_no_cubes(void **state)
 	scene_clear(&s);
 }
 
-/* A cube's point stands for all in it: those of an even square, of which a tenth emits, emit as
- * much as before. What cubes on its border and of unlike numbers of points change is random: 200
- * cubes of which each has its 10 points but for a standard deviation of 3. */
+/* A cube's point stands for all in it: of points of which every other one emits 10, ten a cube,
+ * each that is taken has the mean of its own, 5 with a standard deviation of 5 / sqrt(10) = 1.6.
+ * Cubes have ten points only on average, and fewer where the border cuts them, so that it is more
+ * than that; of the points as they are it is 5. Half of that is in between. The mean of all is 5 to
+ * within four deviations of a mean. */
 static void means_are_kept(void **state)
 {
 	(void)state;
@@ -117,20 +119,23 @@ static void means_are_kept(void **state)
 	scene s = { .state = 5 };
 	for (size_t i = 0; i < 20000; i++) {
 		const double place[3] = { scene_random(&s), scene_random(&s), 0 };
-		size_t at = scene_add(&s, place, up, place[0] < 0.1 ? 0.8f : 0.2f);
-		for (size_t c = 0; c < 3 && place[0] < 0.1; c++)
+		size_t at = scene_add(&s, place, up, i % 2 ? 0.75f : 0.25f);
+		for (size_t c = 0; c < 3 && i % 2; c++)
 			s.emission[3 * at + c] = 10.0f;
 	}
 	s.emits = true;
 	const gw_points points = scene_points(&s);
 	gw_point_subset surface;
 	choose(&points, 2000, &surface);
-	double n = (double)surface.points.count;
-	double emission = scene_mean(surface.emission, surface.points.count, 0);
-	double albedo = scene_mean(surface.albedo, surface.points.count, 0);
-	double spread = 4.0 * 0.3 / sqrt(200.0) * 0.1; /* four deviations of the share that emits */
-	assert_true(fabs(emission - 1.0) < 10.0 * (spread + sqrt(1.0 / n)));
-	assert_true(fabs(albedo - 0.26) < 0.6 * (spread + sqrt(1.0 / n)));
+	size_t count = surface.points.count;
+	double square = 0.0, within = 4.0 * 2.5 / sqrt((double)count);
+	for (size_t k = 0; k < count; k++) {
+		double e = (double)surface.emission[3 * k], albedo = (double)surface.albedo[3 * k];
+		square += (e - 5.0) * (e - 5.0);
+		assert_true(fabs(albedo - (0.25 + 0.05 * e)) < 1e-6); /* roundings of two means */
+	}
+	assert_true(sqrt(square / (double)count) < 2.5);
+	assert_true(fabs(scene_mean(surface.emission, count, 0) - 5.0) < within);
 	gw_point_subset_clear(&surface);
 	scene_clear(&s);
 }
@@ -266,8 +271,10 @@ static double difference(const scene *s, const gw_bake_result *a, const gw_bake_
 
 /*
  * The hall, with a lamp, what glows, and a sky, by all of its points and by a third of them. The
- * two differ by what each is wrong by, and the estimates of both say how much that is, each to
- * within half of it.
+ * two differ by what each is wrong by, and the estimates of both say how much that is: within the
+ * factor of 1.5 that holds for scans, and no more than twice as much, because what a bake differs
+ * by from one of half of its points holds the noise of both, sqrt(2), and so does what points are
+ * off from those around them.
  */
 static void the_error_is_known(void **state)
 {
@@ -288,7 +295,7 @@ static void the_error_is_known(void **state)
 				  part->report.error.between);
 	assert_true(part->report.error.between > 0.0);
 	assert_true(differ < 1.5 * stated);
-	assert_true(part->report.error.relative_rms < 3.0 * differ);
+	assert_true(stated < 2.0 * differ);
 	for (size_t i = 0; i < s.count; i++) {
 		double sum = part->rest ? (double)part->rest[3 * i] : 0.0;
 		for (size_t k = 0; k < part->lamp_count; k++)
@@ -357,7 +364,8 @@ static void memory_says_how_many(void **state)
 		fewer += most < s.count;
 	}
 	assert_true(fewer > 0);
-	assert_in_range(least, 10000, 20000);
+	/* A step of memory is 2893 points of the surface. */
+	assert_in_range(least, 10000, 12893);
 	scene_clear(&s);
 }
 
