@@ -79,6 +79,7 @@ typedef struct surrounding {
 	uint32_t creases, edges;
 	uint32_t creases_found; /* among the edges, instead of boundaries */
 	double widest;          /* radius of circles at most */
+	double reach;           /* of the surfel's neighbours */
 } surrounding;
 
 /* Adds a place and its mirror images. */
@@ -179,7 +180,7 @@ static uint32_t add_far(const boundary_step *step, size_t surfel, const double w
 	uint32_t before = around->count;
 	gw_plane_look_at(step->search, step->surfels, surfel, distance * way[0], distance * way[1],
 					 &list);
-	uint32_t count = gw_plane_flatten(step->surfels, surfel, &list, flat);
+	uint32_t count = gw_plane_flatten_level(step->surfels, surfel, &list, around->reach, flat);
 	for (uint32_t j = 0; j < count; j++)
 		add_place(around, flat[j].x, flat[j].y);
 	return before;
@@ -320,6 +321,7 @@ static void settle(void *user, size_t surfel, const gw_neighbour_list *list)
 	likeness like = describe(s, surfel, kept, count);
 	surround(step, surfel, kept, count, &around);
 	double circle = circle_of(&like, reach, &around.widest);
+	around.reach = reach;
 	if (boundaries >= SUPPORT)
 		find_boundaries(step, surfel, reach, circle, like.margin, &around);
 	gw_plane_store_clips(s, surfel, around.edge, around.edges);

@@ -137,12 +137,12 @@ static double edge_margin(const gw_flat_point *kept, double reach)
 }
 
 /* Do the surface's points lie all around a place in the surfel's plane? */
-static bool is_surrounded(const disc_step *step, size_t surfel, double x, double y)
+static bool is_surrounded(const disc_step *step, size_t surfel, double x, double y, double reach)
 {
 	gw_neighbour_list list;
 	gw_flat_point flat[GW_NEIGHBOURS];
 	gw_plane_look_at(step->search, step->surfels, surfel, x, y, &list);
-	uint32_t count = gw_plane_flatten(step->surfels, surfel, &list, flat), seen = 0;
+	uint32_t count = gw_plane_flatten_level(step->surfels, surfel, &list, reach, flat), seen = 0;
 	for (uint32_t j = 0; j < count; j++)
 		for (int d = 0; d < GW_DIRECTIONS; d++)
 			if (gw_direction[d][0] * (flat[j].x - x) + gw_direction[d][1] * (flat[j].y - y) > 0)
@@ -159,12 +159,12 @@ static bool goes_on(const disc_step *step, size_t surfel, const gw_neighbour_lis
 					const gw_half_plane *edge, double reach)
 {
 	gw_flat_point flat[GW_NEIGHBOURS];
-	uint32_t count = gw_plane_flatten(step->surfels, surfel, list, flat);
+	uint32_t count = gw_plane_flatten_level(step->surfels, surfel, list, reach, flat);
 	for (uint32_t j = 0; j < count; j++) {
 		double ahead = gw_distance_along(edge, flat[j].x, flat[j].y);
 		double beside = fabs(edge->x * flat[j].y - edge->y * flat[j].x);
 		if (ahead > edge->offset && ahead <= GW_VOID_WIDTH * reach && beside <= VOID_SLOPE * ahead)
-			return is_surrounded(step, surfel, 0.5 * flat[j].x, 0.5 * flat[j].y);
+			return is_surrounded(step, surfel, 0.5 * flat[j].x, 0.5 * flat[j].y, reach);
 	}
 	return false;
 }

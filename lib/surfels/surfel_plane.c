@@ -61,6 +61,16 @@ uint32_t gw_plane_flatten(const gw_surfels *s, size_t surfel, const gw_neighbour
 	return count;
 }
 
+uint32_t gw_plane_flatten_level(const gw_surfels *s, size_t surfel, const gw_neighbour_list *list,
+								double reach, gw_flat_point *flat)
+{
+	uint32_t count = gw_plane_flatten(s, surfel, list, flat), level = 0;
+	for (uint32_t j = 0; j < count; j++)
+		if (fabs(flat[j].height) <= FIT_SLAB * reach)
+			flat[level++] = flat[j];
+	return level;
+}
+
 /* Sums of a least-squares plane height = c + a x + b y. */
 typedef struct plane_fit {
 	double n, x, y, xx, xy, yy, h, hx, hy, hh;

@@ -42,6 +42,15 @@ uint32_t gw_plane_flatten(const gw_surfels *surfels, size_t surfel, const gw_nei
 						  gw_flat_point *flat);
 
 /*
+ * Those of them that may be of the same surface though they lie further off than the surfel's
+ * neighbours: not so far above or below its plane that they are of another one, as a street before
+ * the edge of a roof.
+ *   reach   distance of the furthest neighbour, metres
+ */
+uint32_t gw_plane_flatten_level(const gw_surfels *surfels, size_t surfel,
+								const gw_neighbour_list *list, double reach, gw_flat_point *flat);
+
+/*
  * Neighbours on the surfel's surface: with a normal like its own and near the plane through them.
  *   flat    receives them, at most list->count, nearest in the plane first
  *   noise   receives the RMS distance of those with a like normal from their plane, metres
