@@ -34,6 +34,12 @@
 #define BEND_RIDGE 1e-5      /* keeps neighbours on a line from telling about the other direction */
 #define BEND_MOST 0.5        /* slope of a disc's edge against its plane */
 
+/* Neighbours spread at random have a second moment of that little extent across it that seldom:
+ * 4 det / tr^2 of n of them is below w with a probability of w^((n - 1) / 2). Lines of a scanner,
+ * of which there are several, are wider. */
+#define ON_LINE_BY_CHANCE 1e-4
+#define LINE_WIDTH 0.01
+
 /*
  * How little extent in a direction, relative to the furthest neighbour, means that the surface ends
  * there, by number of neighbours: with 16 it is 0.45 (measured: less leaves discs that stick out
@@ -247,6 +253,20 @@ static uint32_t count_near(const gw_surfels *s, size_t surfel, const gw_neighbou
 	return list->count;
 }
 
+/* Do neighbours lie on a line with the surfel, as on a wire? Then nothing says how wide the surface
+ * is across it. */
+static bool lie_on_line(const gw_flat_point *kept, uint32_t count)
+{
+	double xx = 0, xy = 0, yy = 0;
+	for (uint32_t j = 0; j < count; j++) {
+		xx += kept[j].x * kept[j].x;
+		xy += kept[j].x * kept[j].y;
+		yy += kept[j].y * kept[j].y;
+	}
+	double round = 4 * (xx * yy - xy * xy) / ((xx + yy) * (xx + yy));
+	return round < fmin(pow(ON_LINE_BY_CHANCE, 2.0 / (count - 1)), LINE_WIDTH);
+}
+
 /* A disc that shares no surface with others. */
 static void store_alone(disc_step *step, size_t surfel, float radius)
 {
@@ -283,7 +303,7 @@ static void make_disc(void *user, size_t surfel, const gw_neighbour_list *all)
 		store_alone(step, surfel, sqrtf(step->lone->area[surfel] / (float)M_PI));
 		return;
 	}
-	if (kept < 3 || !(flat[0].distance > 0)) {
+	if (kept < 3 || !(flat[0].distance > 0) || lie_on_line(flat, kept)) {
 		store_isolated(step, surfel, near.count > 0 ? list : all);
 		step->amid[surfel] = near.count == GW_NEIGHBOURS;
 		return;
