@@ -39,6 +39,7 @@
  * of which there are several, are wider. */
 #define ON_LINE_BY_CHANCE 1e-4
 #define LINE_WIDTH 0.01
+#define LINE_WIDER 2.0f /* than the median disc, from where on such a disc is none */
 
 /*
  * How little extent in a direction, relative to the furthest neighbour, means that the surface ends
@@ -57,6 +58,7 @@ typedef struct disc_step {
 	float *gap;        /* NULL or count */
 	uint8_t *isolated; /* count, 1 where there is too little surface to measure */
 	uint8_t *amid;     /* count, 1 where that is so though others are all around */
+	float *on_line;    /* count, half the distance to the next point of its line; 0: is on none */
 	uint8_t *boundary; /* count, a bit for each clip that borders on nothing */
 	bool measure_noise, rough_area;
 } disc_step;
@@ -303,9 +305,9 @@ static void make_disc(void *user, size_t surfel, const gw_neighbour_list *all)
 		store_alone(step, surfel, sqrtf(step->lone->area[surfel] / (float)M_PI));
 		return;
 	}
-	if (kept < 3 || !(flat[0].distance > 0) || lie_on_line(flat, kept)) {
+	step->amid[surfel] = near.count == GW_NEIGHBOURS;
+	if (kept < 3 || !(flat[0].distance > 0)) {
 		store_isolated(step, surfel, near.count > 0 ? list : all);
-		step->amid[surfel] = near.count == GW_NEIGHBOURS;
 		return;
 	}
 	if (step->lone->filled[surfel]) {
@@ -322,12 +324,36 @@ static void make_disc(void *user, size_t surfel, const gw_neighbour_list *all)
 	uint32_t edges = find_edges(step, surfel, flat, kept, edge, &at_creases);
 	double area = step->rough_area ? M_PI * radius * radius / GW_DISC_RANK
 								   : gw_plane_cell_area(flat, kept, radius, reach, edge, edges);
+	step->on_line[surfel] = lie_on_line(flat, kept) ? 0.5f * list->distance[0] : 0.0f;
 	s->radius[surfel] = fmaxf((float)radius, FLT_MIN);
 	s->area[surfel] = fmaxf((float)area, FLT_MIN);
 	s->creased[surfel] =
 		edges > 0 && edges == at_creases && (double)s->noise[surfel] < GW_CREASE_NOISE * reach;
 	fit_bend(flat, kept, radius, s->bend + 3 * surfel);
 	gw_plane_store_clips(s, surfel, edge, edges);
+}
+
+/* Isolates points on lines whose discs are much wider than is usual. Others may be of a scanner's
+ * line at the end of a wall. */
+static gw_status isolate_lines(disc_step *step, gw_error *error)
+{
+	gw_surfels *s = step->surfels;
+	float *radius = gw_allocate_array(s->count, sizeof *radius);
+	if (!radius)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the widths of %zu points", s->count);
+	memcpy(radius, s->radius, s->count * sizeof *radius);
+	float usual = s->count > 0 ? gw_nth_element(radius, s->count, s->count / 2) : 0.0f;
+	free(radius);
+	for (size_t i = 0; i < s->count; i++) {
+		if (!(step->on_line[i] > 0.0f) || s->radius[i] <= LINE_WIDER * usual)
+			continue;
+		store_alone(step, i, step->on_line[i]);
+		memset(s->clip + 6 * i, 0, 6 * sizeof *s->clip);
+		memset(s->bend + 3 * i, 0, 3 * sizeof *s->bend);
+		s->creased[i] = step->boundary[i] = 0;
+		step->isolated[i] = 1;
+	}
+	return GW_OK;
 }
 
 /* Leaves whose sides nobody said, or which a beam told. Those that emit light are to be seen as
@@ -406,9 +432,10 @@ static gw_status make_discs(disc_step *step, gw_error *error)
 {
 	gw_surfels *s = step->surfels;
 	if (!s->nearest || !s->radius || !s->area || !s->clip || !s->bend || !s->creased || !s->noise ||
-		!step->isolated || !step->amid || !step->boundary)
+		!step->isolated || !step->amid || !step->on_line || !step->boundary)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the discs of %zu points", s->count);
 	GW_TRY(gw_neighbours_visit(step->search, make_disc, step, error));
+	GW_TRY(isolate_lines(step, error));
 	GW_TRY(gw_disc_widths_bound(step->search, s, step->rough_area, error));
 	GW_TRY(gw_boundaries_settle(step->search, s, step->rough_area, step->boundary, error));
 	if (!step->rough_area)
@@ -435,10 +462,12 @@ gw_status gw_discs_make(gw_neighbours *search, const gw_lone_points *lone, gw_su
 		surfels->noise = gw_allocate_array(n, sizeof(float));
 	step.isolated = gw_allocate_zeros(n, sizeof *step.isolated);
 	step.amid = gw_allocate_zeros(n, sizeof *step.amid);
+	step.on_line = gw_allocate_zeros(n, sizeof *step.on_line);
 	step.boundary = gw_allocate_zeros(n, sizeof *step.boundary);
 	gw_status status = make_discs(&step, error);
 	free(step.isolated);
 	free(step.amid);
+	free(step.on_line);
 	free(step.boundary);
 	return status;
 }
