@@ -47,6 +47,13 @@
 /* Errors below this are not told apart: the scatter of a pilot of some hundred places. */
 #define SPREAD_LEAST 5e-4
 
+/* Spread of what the octree does to the light, by its few rays: four seeds in a hall. */
+#define GEOMETRY_SPREAD 0.25
+
+/* By how much a bake's error of gathered light may exceed its pilot's where points read maps of
+ * probes: four seeds in a hall, 1.2 to 1.6 times. */
+#define PROBE_SPREAD 0.5
+
 /* What a stage of the pilot took: in all, and of that in passes over records, and in those that go
  * with the rays of a volume's cells. */
 typedef struct spent {
@@ -264,12 +271,25 @@ static double error_with_cell_rays(const pilot *p, double *spread)
 	return sqrt(most * least);
 }
 
+/* What of gathered light would be wrong in the bake. The maps of probes are those of the bake, and
+ * points read them as they will: records only light what the maps see, which is right where it is
+ * read and where it is checked alike.
+ *   spread   receives how much that may be off */
+static double error_of_gathered(const pilot *p, double *spread)
+{
+	const gw_error_estimate *e = &p->report->error;
+	if (p->cell_ratio > 1.0)
+		return error_with_cell_rays(p, spread);
+	if (p->asked.method != GW_METHOD_PROBES)
+		return gw_error_with_records(e, p->ratio, spread);
+	*spread = PROBE_SPREAD * e->gathered;
+	return e->gathered;
+}
+
 static void foretell_error(const pilot *p, gw_forecast *f)
 {
 	const gw_error_estimate *e = &p->report->error;
-	double power, enough = quality_of_few(p);
-	double rest = p->cell_ratio > 1.0 ? error_with_cell_rays(p, &power)
-									  : gw_error_with_records(e, p->ratio, &power);
+	double power, enough = quality_of_few(p), rest = error_of_gathered(p, &power);
 	if (enough > 0.0 && rest > enough && !gw_options_refine(&p->asked))
 		rest = enough;
 	double others = e->relative_rms * e->relative_rms - e->gathered * e->gathered;
@@ -277,7 +297,7 @@ static void foretell_error(const pilot *p, gw_forecast *f)
 	if (!(f->error > 0.0))
 		return;
 	double own = e->spread * rest / fmax(e->gathered, 1e-30);
-	f->spread = hypot(own, power + SPREAD_LEAST);
+	f->spread = hypot(hypot(own, power + SPREAD_LEAST), GEOMETRY_SPREAD * e->geometry);
 }
 
 /* Seconds with which a bake that refines reaches its error, or its time is up. */

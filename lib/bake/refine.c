@@ -215,6 +215,14 @@ static bool has_added_in_vain(const gw_refine_state *state)
 	return last->error.gathered > HELPED * before->error.gathered;
 }
 
+/* Whether more rays would lessen a share of that which is worth them. */
+static bool has_noise(const gw_refine_state *state)
+{
+	double noise = state->error.noise, gathered = state->error.gathered;
+	return state->options->method == GW_METHOD_RAYS &&
+		   noise * noise > SHARE_LEAST * gathered * gathered;
+}
+
 gw_refine_answer gw_refine_gathered(const gw_refine_state *state, gw_density_wish *wish,
 									char why[96])
 {
@@ -285,7 +293,8 @@ gw_refine_answer gw_refine_records(const gw_refine_state *state, gw_density_wish
 	if (is_out_of_reach(state))
 		return go_as_far_as_quality(state, wish, why);
 	bool full = state->options->rays >= RAYS_MOST;
-	return is_noisy(state) && !full ? GW_REFINE_EXHAUSTED : add_records(state, wish, why);
+	bool rays = is_noisy(state) || (has_added_in_vain(state) && has_noise(state));
+	return rays && !full ? GW_REFINE_EXHAUSTED : add_records(state, wish, why);
 }
 
 /* Noise falls with the root of the rays, the rest about as fast as the records come closer. */
@@ -294,8 +303,9 @@ static growth wanted_growth(const gw_refine_state *state, char why[96])
 	const gw_error_estimate *e = &state->error;
 	double square = fmax(e->gathered * e->gathered, 1e-12);
 	double noise = fmin(e->noise * e->noise / square, 1.0), factor = excess(state);
-	bool vain = rounds_in_vain(state) > 0;
-	bool rays = vain || noise > SHARE_LEAST, density = vain || 1.0 - noise > SHARE_LEAST;
+	bool vain = rounds_in_vain(state) > 0, added = has_added_in_vain(state);
+	bool rays = vain || noise > SHARE_LEAST;
+	bool density = !added && (vain || 1.0 - noise > SHARE_LEAST);
 	snprintf(why, 96, "%.0f %% of the square error is noise of the rays%s", 100.0 * noise,
 			 vain ? "; the last round did not help" : "");
 	if (is_noisy(state) && !vain)

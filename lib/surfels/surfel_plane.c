@@ -61,12 +61,22 @@ uint32_t gw_plane_flatten(const gw_surfels *s, size_t surfel, const gw_neighbour
 	return count;
 }
 
+/* How far off the plane a neighbour may be because the surface is bent: an arc ends off its tangent
+ * by the distance times the tangent of half the angle between the normals. Twice that, since bends
+ * are not even. */
+static double bent_off(const gw_surfels *s, size_t surfel, const gw_flat_point *p)
+{
+	const float *n = s->normal + 3 * surfel, *m = s->normal + 3 * (size_t)p->index;
+	double cosine = fabs((double)(n[0] * m[0] + n[1] * m[1] + n[2] * m[2]));
+	return 2.0 * p->distance * sqrt(fmax(1.0 - cosine, 0.0) / (1.0 + cosine));
+}
+
 uint32_t gw_plane_flatten_level(const gw_surfels *s, size_t surfel, const gw_neighbour_list *list,
 								double reach, gw_flat_point *flat)
 {
 	uint32_t count = gw_plane_flatten(s, surfel, list, flat), level = 0;
 	for (uint32_t j = 0; j < count; j++)
-		if (fabs(flat[j].height) <= FIT_SLAB * reach)
+		if (fabs(flat[j].height) <= FIT_SLAB * reach + bent_off(s, surfel, &flat[j]))
 			flat[level++] = flat[j];
 	return level;
 }
