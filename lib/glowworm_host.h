@@ -28,6 +28,9 @@ double gw_seconds(void);
  */
 uint64_t gw_available_memory(void);
 
+/* Bytes of memory that this process holds now; 0 where the system does not say. */
+uint64_t gw_resident_memory(void);
+
 /* The number of threads to use: `requested`, or when it is 0 the number of processors that this
  * process may run on; at least 1, at most 256. */
 uint32_t gw_thread_count(uint32_t requested);

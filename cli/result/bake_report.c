@@ -286,7 +286,8 @@ gw_status bake_report_write(const bake_facts *f, output_file *out, gw_error *err
 	json_put_open(&json, NULL, '{');
 	json_put_text(&json, "glowworm", GW_VERSION);
 	json_put_text(&json, "command", f->settings->command);
-	json_put_count(&json, "points", f->result->asked ? r->region_points : f->result->count);
+	uint64_t all = f->scene->parted ? f->scene->parted->file.count : f->result->count;
+	json_put_count(&json, "points", f->result->asked ? r->region_points : all);
 	write_inputs(&json, f);
 	scene_write_members(&json, f->settings);
 	json_put_text(&json, "device", r->device);

@@ -417,13 +417,19 @@ static gw_status drop_points(scan *lit, const gw_bake_result *result, bool stray
 	return GW_OK;
 }
 
+gw_status lit_scan_meter(const loaded_scene *scene, const gw_bake_result *result, const settings *s,
+						 double *exposure, gw_error *error)
+{
+	*exposure = (double)s->exposure;
+	return isnan(s->exposure) ? meter(result, scene->points.points.emission, exposure, error)
+							  : GW_OK;
+}
+
 gw_status lit_scan_make(loaded_scene *scene, const gw_bake_result *result, const settings *s,
 						scan *lit, double *exposure, gw_error *error)
 {
 	*lit = (scan){ .count = scene->cloud.count, .up = scene->up };
-	*exposure = (double)s->exposure;
-	if (isnan(s->exposure))
-		GW_TRY(meter(result, scene->points.points.emission, exposure, error));
+	GW_TRY(lit_scan_meter(scene, result, s, exposure, error));
 	maker m = { &scene->cloud, lit, result, s, *exposure, error };
 	bake_columns_remove(m.from, BAKE_COLUMNS_ALL);
 	lamp_columns_remove(m.from);

@@ -19,6 +19,10 @@
 gw_status lit_scan_make(loaded_scene *scene, const gw_bake_result *result, const settings *settings,
 						scan *lit, double *exposure, gw_error *error);
 
+/* The exposure value of the preview: as asked for, or by the light of the points. */
+gw_status lit_scan_meter(const loaded_scene *scene, const gw_bake_result *result,
+						 const settings *settings, double *exposure, gw_error *error);
+
 /* The bytes that the columns of a lit point take together at least, and how many these are. */
 size_t lit_scan_row_bytes(const loaded_scene *scene, const settings *settings, size_t *columns);
 

@@ -174,12 +174,14 @@ static uint8_t to_byte(double value)
 }
 
 /* Keeps the colours under the names by which a lit file is lit again. */
-static gw_status keep_albedo(scan *cloud, const float *albedo, bool own_colors, gw_error *error)
+static gw_status keep_albedo(scan *cloud, const scan_points *points, bool own_colors,
+							 const scan_told *told, gw_error *error)
 {
+	const float *albedo = points->albedo;
 	scan_color color = { 0 };
 	own_colors = own_colors &&
-				 (scan_color_find(cloud, scan_albedo_names, &color) ||
-				  scan_color_find(cloud, scan_color_names, &color)) &&
+				 (scan_told_color(told, cloud, true, &color) ||
+				  scan_told_color(told, cloud, false, &color)) &&
 				 !color.black;
 	uint8_t *kept = reallocarray(NULL, cloud->count, 3);
 	if (!kept)
@@ -240,7 +242,7 @@ static gw_status make_points(const settings *s, const settings_input *from, scan
 	facts->lit = is_lit(cloud);
 	facts->points = cloud->count;
 	facts->left_out = cloud->left_out;
-	return keep_albedo(cloud, points->albedo, colors, error);
+	return keep_albedo(cloud, points, colors, options.told, error);
 }
 
 /* One input on its way into the scene. */
@@ -270,6 +272,9 @@ static gw_status read_cloud(const settings *s, size_t i, scan *kept, part *parts
 	if (from->again) {
 		scene->input[i].format = scene->input[i - 1].format;
 		GW_TRY(scan_copy(kept, cloud, error));
+	} else if (scene->parted) {
+		scene->input[i].format = scene->parted->file.found;
+		GW_TRY(parted_cloud_thin(scene->parted, cloud, error));
 	} else {
 		GW_TRY(read_file(s, from, cloud, &scene->input[i].format, error));
 		scan_clear(kept);
@@ -614,10 +619,13 @@ static gw_status finish_clouds(const settings *s, loaded_scene *scene, part *par
 	settings scaled = *s; /* nothing of it is freed */
 	GW_TRY(find_full_intensity(s, scene, parts, &scaled.points.intensity_full, error));
 	scaled.points.threads = s->bake.threads;
+	scaled.points.told = scene->parted ? &scene->parted->told : NULL;
 	for (size_t i = 0; i < s->input_count; i++) {
 		if (scene->input[i].is_mesh)
 			continue;
 		GW_TRY(finish_part(&scaled, &s->input[i], &parts[i], &scene->input[i], error));
+		if (scene->parted)
+			scene->input[i].points = scene->parted->file.count;
 		place_points(scene, &parts[i].points, parts[i].cloud.count);
 		GW_TRY(signals_check(error));
 	}
@@ -709,27 +717,10 @@ static gw_status take_scanners(const settings *s, scan *cloud, gw_error *error)
 	return GW_OK;
 }
 
-gw_status loaded_scene_read(const settings *s, loaded_scene *scene, gw_error *error)
+/* The points as the library takes them. */
+static void point_out(const settings *s, loaded_scene *scene)
 {
-	*scene = (loaded_scene){ .place = coordinates_metres() };
-	gw_status status = read_all(s, scene, error);
-	if (status != GW_OK) {
-		loaded_scene_clear(scene);
-		return status;
-	}
-	status = take_scanners(s, &scene->cloud, error);
-	if (status != GW_OK) {
-		loaded_scene_clear(scene);
-		return status;
-	}
 	scan_points *p = &scene->points;
-	status = place_scanners(scene, error);
-	if (status == GW_OK)
-		status = notice_up(s, scene, error);
-	if (status != GW_OK) {
-		loaded_scene_clear(scene);
-		return status;
-	}
 	p->points = (gw_points){ .count = scene->cloud.count,
 							 .position = p->position,
 							 .normal = p->normal,
@@ -746,7 +737,66 @@ gw_status loaded_scene_read(const settings *s, loaded_scene *scene, gw_error *er
 							 .image = scene->cloud.image,
 							 .image_count = scene->cloud.image_count,
 							 .image_cell = scene->cloud.image_cell };
+}
+
+gw_status loaded_scene_read(const settings *s, loaded_scene *scene, gw_error *error)
+{
+	return loaded_scene_read_parted(s, NULL, scene, error);
+}
+
+gw_status loaded_scene_read_parted(const settings *s, parted_cloud *parted, loaded_scene *scene,
+								   gw_error *error)
+{
+	*scene = (loaded_scene){ .place = coordinates_metres(), .parted = parted };
+	gw_status status = read_all(s, scene, error);
+	if (status != GW_OK) {
+		loaded_scene_clear(scene);
+		return status;
+	}
+	status = take_scanners(s, &scene->cloud, error);
+	if (status != GW_OK) {
+		loaded_scene_clear(scene);
+		return status;
+	}
+	status = place_scanners(scene, error);
+	if (status == GW_OK)
+		status = notice_up(s, scene, error);
+	if (status != GW_OK) {
+		loaded_scene_clear(scene);
+		return status;
+	}
+	point_out(s, scene);
 	return GW_OK;
+}
+
+gw_status loaded_scene_read_part(const settings *s, const loaded_scene *whole, uint64_t first,
+								 loaded_scene *scene, gw_error *error)
+{
+	settings of_part = *s; /* nothing of it is freed */
+	part p = { .cloud = { 0 } };
+	loaded_input facts = { .path = s->input[0].path };
+	of_part.points.threads = s->bake.threads;
+	of_part.points.told = &whole->parted->told;
+	*scene = (loaded_scene){ .up = whole->up, .place = whole->place };
+	gw_status status = parted_cloud_read(whole->parted, first, &p.cloud, error);
+	if (status == GW_OK)
+		status = finish_part(&of_part, &s->input[0], &p, &facts, error);
+	scene->cloud = p.cloud;
+	scene->points = p.points;
+	if (status != GW_OK) {
+		loaded_scene_clear_part(scene);
+		return status;
+	}
+	place_points(scene, &scene->points, scene->cloud.count);
+	point_out(s, scene);
+	return GW_OK;
+}
+
+void loaded_scene_clear_part(loaded_scene *scene)
+{
+	scan_clear(&scene->cloud);
+	scan_points_clear(&scene->points);
+	*scene = (loaded_scene){ 0 };
 }
 
 void loaded_scene_clear(loaded_scene *scene)

@@ -9,13 +9,14 @@
 #include "panoramas/panorama.h"
 #include "lamps/light_text.h"
 #include "options/settings.h"
+#include "scene/parted_cloud.h"
 #include "units/coordinates.h"
 
 /* What one input was. */
 typedef struct loaded_input {
 	const char *path; /* leads into the settings */
 	const format *format;
-	size_t points;
+	uint64_t points;   /* of the file */
 	uint64_t left_out; /* rows of the file without a point */
 	char albedo_source[240];
 	bool albedo_missing; /* nothing says what the albedo is, so a constant stands in */
@@ -34,11 +35,12 @@ typedef struct loaded_scene {
 	size_t input_count;
 	panorama *map; /* owned; map_count: of environment lights, from loaded_scene_lights */
 	size_t map_count;
-	gw_light *light;   /* owned; settings.light_count: those that loaded_scene_lights found */
-	char up;           /* as gw_camera_up has it */
-	bool says_up;      /* an input says so itself */
-	coordinates place; /* owned; from the cloud's coordinates to those of `points`, metres */
-	double *scanner;   /* owned; the cloud's scanners in metres, or NULL when those are the same */
+	gw_light *light;      /* owned; settings.light_count: those that loaded_scene_lights found */
+	char up;              /* as gw_camera_up has it */
+	bool says_up;         /* an input says so itself */
+	coordinates place;    /* owned; from the cloud's coordinates to those of `points`, metres */
+	parted_cloud *parted; /* NULL; or of which file the cloud is a part, spread over it */
+	double *scanner; /* owned; the cloud's scanners in metres, or NULL when those are the same */
 } loaded_scene;
 
 /*
@@ -52,6 +54,18 @@ typedef struct loaded_scene {
  */
 gw_status loaded_scene_read(const settings *settings, loaded_scene *scene, gw_error *error);
 void loaded_scene_clear(loaded_scene *scene);
+
+/* The same of a cloud that memory does not hold: as many of its points as do.
+ *   parted   the only input, opened; it is referred to. NULL: all points of all inputs */
+gw_status loaded_scene_read_parted(const settings *settings, parted_cloud *parted,
+								   loaded_scene *scene, gw_error *error);
+
+/* The points of such a cloud from `first` on, as many as parted_cloud_read brings; of the scene
+ * that was read of it the part has the axis that is up and the units.
+ *   scene   to be given back with loaded_scene_clear_part, which leaves the other one alone */
+gw_status loaded_scene_read_part(const settings *settings, const loaded_scene *whole,
+								 uint64_t first, loaded_scene *scene, gw_error *error);
+void loaded_scene_clear_part(loaded_scene *scene);
 
 /* Whether an input is sampled: it is asked for as a mesh, or its name is a mesh's, it has faces,
  * and neither the scene file nor --format asks for its vertices. */

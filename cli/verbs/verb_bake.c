@@ -7,6 +7,7 @@
 #include "files/input_file.h"
 #include "result/light_shares.h"
 #include "result/lit_scan.h"
+#include "result/parted_result.h"
 #include "scene/mesh_notes.h"
 #include "scene/region_text.h"
 #include "options/output_name.h"
@@ -29,7 +30,8 @@ typedef struct bake {
 	settings *settings;
 	const format *format; /* of the output */
 	output_file *output, *report, *transport;
-	input_file reused; /* a transport */
+	input_file reused;   /* a transport */
+	parted_cloud parted; /* where memory does not hold the input */
 	loaded_scene scene;
 	region_points region;
 	gw_light *light;
@@ -216,7 +218,10 @@ static gw_status read_inputs(bake *b)
 {
 	double start = now();
 	progress_show(&b->progress, "read", 0.0);
-	gw_status status = loaded_scene_read(b->settings, &b->scene, b->error);
+	GW_TRY(parted_cloud_open(b->settings, b->settings->frames ? NULL : b->format, &b->parted,
+							 b->error));
+	parted_cloud *parted = b->parted.most > 0 ? &b->parted : NULL;
+	gw_status status = loaded_scene_read_parted(b->settings, parted, &b->scene, b->error);
 	if (status == GW_OK)
 		glossy_points_apply(b->settings, &b->scene);
 	progress_clear(&b->progress);
@@ -258,7 +263,8 @@ static gw_status check_results(const bake *b)
 	GW_TRY(b->format->accept ? b->format->accept(&b->scene.cloud, s->output, b->error) : GW_OK);
 	row = b->format->row_bytes ? b->format->row_bytes : b->format->text ? 2 * columns : row;
 	/* Of frames, at least one. */
-	return output_file_check_room(s->output, (uint64_t)row * b->scene.cloud.count, b->error);
+	uint64_t count = b->scene.parted ? b->parted.file.count : b->scene.cloud.count;
+	return output_file_check_room(s->output, (uint64_t)row * count, b->error);
 }
 
 static void on_progress(void *user, const char *stage, double done)
@@ -336,6 +342,10 @@ static gw_status light_points(bake *b)
 	progress_clear(&b->progress);
 	b->facts.bake_seconds = now() - start;
 	b->facts.result = b->result;
+	if (status == GW_OK && b->scene.parted)
+		return parted_result_measure(
+			&(parted_result){ b->settings, &b->scene, b->result, b->format, &b->progress },
+			b->error);
 	return status;
 }
 
@@ -420,12 +430,19 @@ static gw_status write_grids(bake *b)
 	return status;
 }
 
+static gw_status write_points(bake *b)
+{
+	const parted_result parted = { b->settings, &b->scene, b->result, b->format, &b->progress };
+	if (b->scene.parted)
+		return parted_result_write(&parted, b->output, &b->facts.exposure, b->error);
+	GW_TRY(lit_scan_make(&b->scene, b->result, b->settings, &b->lit, &b->facts.exposure, b->error));
+	return b->output ? b->format->write(b->output, &b->lit, b->error) : GW_OK;
+}
+
 /* The outputs that appear under their names when all of them are written. */
 static gw_status write_outputs(bake *b, gw_status *grids)
 {
-	GW_TRY(lit_scan_make(&b->scene, b->result, b->settings, &b->lit, &b->facts.exposure, b->error));
-	if (b->output)
-		GW_TRY(b->format->write(b->output, &b->lit, b->error));
+	GW_TRY(write_points(b));
 	if (b->settings->vdb)
 		*grids = write_grids(b);
 	if (b->settings->vdb_sh && *grids == GW_OK)
@@ -556,6 +573,7 @@ gw_status verb_bake(settings *s, gw_error *error)
 	gw_bake_result_destroy(&b.result);
 	region_points_clear(&b.region);
 	loaded_scene_clear(&b.scene);
+	parted_cloud_close(&b.parted);
 	scan_clear(&b.lit);
 	free(b.light);
 	return status;

@@ -17,4 +17,8 @@ const format ply_format = {
 	.probe = probe,
 	.read = ply_read,
 	.write = ply_write,
+	.count_rows = ply_count_rows,
+	.read_rows = ply_read_rows,
+	.write_head = ply_write_head,
+	.write_rows = ply_write_rows,
 };

@@ -75,10 +75,10 @@ static gw_status check_position(const reader *r)
 	return GW_OK;
 }
 
-static gw_status add_columns(reader *r)
+static gw_status add_columns(reader *r, uint64_t points)
 {
 	size_t count = r->vertex->property_count;
-	r->scan->count = (size_t)r->vertex->count;
+	r->scan->count = (size_t)points;
 	r->data = calloc(count, sizeof *r->data);
 	if (!r->data)
 		return gw_fail(r->error, GW_ERROR_MEMORY, "no memory for the columns of %s", r->in->name);
@@ -237,7 +237,7 @@ static gw_status read_binary(reader *r)
 	bool lists;
 	size_t bytes = least_bytes(r->vertex, &lists);
 	GW_TRY(check_bytes(r, r->vertex, bytes));
-	GW_TRY(add_columns(r));
+	GW_TRY(add_columns(r, r->vertex->count));
 	if (!lists) {
 		gw_parallel_for(r->in->threads, r->scan->count, BLOCK_ROWS, take_rows, &(rows){ r, bytes });
 		r->at += r->scan->count * bytes;
@@ -510,7 +510,7 @@ static gw_status read_ascii(reader *r)
 	size_t bytes = 2 * r->vertex->property_count;
 	if (r->vertex->count > (left(r) + 1) / bytes)
 		return fail_short(r, r->vertex, bytes);
-	GW_TRY(add_columns(r));
+	GW_TRY(add_columns(r, r->vertex->count));
 	GW_TRY(read_vertices(r));
 	ascii_line line;
 	if (r->header->vertex + 1 == r->header->element_count && next_line(r, &line))
@@ -523,11 +523,16 @@ static gw_status read_ascii(reader *r)
 
 /* ------------------------------------------------------------------------------ the whole */
 
+static bool needs_swap(const ply_header *header)
+{
+	bool big_host = __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__;
+	return big_host != (header->encoding == PLY_BIG_ENDIAN);
+}
+
 static gw_status read_body(reader *r)
 {
 	bool ascii = r->header->encoding == PLY_ASCII;
-	bool big_host = __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__;
-	r->swap = big_host != (r->header->encoding == PLY_BIG_ENDIAN);
+	r->swap = needs_swap(r->header);
 	gw_status status = check_position(r);
 	for (size_t e = 0; e < r->header->vertex && status == GW_OK; e++) {
 		const ply_element *element = &r->header->element[e];
@@ -567,6 +572,75 @@ gw_status ply_read(input_file *in, scan *cloud, gw_error *error)
 			status = note_faces(&header, cloud, error);
 		ply_header_clear(&header);
 	}
+	if (status != GW_OK)
+		scan_clear(cloud);
+	return status;
+}
+
+/* ------------------------------------------------------------------------------ in parts */
+
+/* Vertices of one size that come first, all of them and no more. */
+static bool has_rows(const ply_header *header, const input_file *in, size_t *bytes)
+{
+	bool lists;
+	const ply_element *vertex = &header->element[header->vertex];
+	*bytes = least_bytes(vertex, &lists);
+	if (header->encoding == PLY_ASCII || header->vertex != 0 || lists || *bytes == 0)
+		return false;
+	uint64_t room = (in->length - header->body) / *bytes;
+	return vertex->count == room || (vertex->count < room && header->element_count > 1);
+}
+
+uint64_t ply_count_rows(input_file *in)
+{
+	scan comments = { 0 };
+	ply_header header;
+	gw_error ignored = { 0 };
+	size_t bytes;
+	uint64_t count = 0;
+	if (ply_header_parse(&header, in, &comments, &ignored) == GW_OK) {
+		if (has_rows(&header, in, &bytes))
+			count = header.element[header.vertex].count;
+		ply_header_clear(&header);
+	}
+	scan_clear(&comments);
+	return count;
+}
+
+static gw_status take_part(reader *r, const format_rows *part, size_t bytes)
+{
+	GW_TRY(check_position(r));
+	GW_TRY(add_columns(r, part->count));
+	r->swap = needs_swap(r->header);
+	r->at += part->first * bytes;
+	gw_parallel_for(r->in->threads, r->scan->count, BLOCK_ROWS, take_rows, &(rows){ r, bytes });
+	return note_faces(r->header, r->scan, r->error);
+}
+
+gw_status ply_read_rows(input_file *in, const format_rows *part, scan *cloud, gw_error *error)
+{
+	size_t bytes;
+	*cloud = (scan){ .up = 'z' };
+	ply_header header;
+	gw_status status = ply_header_parse(&header, in, cloud, error);
+	if (status != GW_OK)
+		return status;
+	reader r = { .in = in,
+				 .header = &header,
+				 .vertex = &header.element[header.vertex],
+				 .scan = cloud,
+				 .error = error,
+				 .at = in->data + header.body,
+				 .end = in->data + in->length };
+	if (!has_rows(&header, in, &bytes) || part->first > r.vertex->count ||
+		part->count > r.vertex->count - part->first)
+		status = gw_fail(error, GW_ERROR_DATA, "%s has no points %llu to %llu to be read by parts",
+						 in->name, (unsigned long long)part->first,
+						 (unsigned long long)(part->first + part->count));
+	if (status == GW_OK)
+		status = take_part(&r, part, bytes);
+	free(r.data);
+	ply_header_clear(&header);
 	if (status != GW_OK)
 		scan_clear(cloud);
 	return status;

@@ -10,6 +10,11 @@
 struct output_file; /* output_file.h: temporary name, checked writes, renamed when whole */
 struct input_file;  /* input_file.h: a file or standard input as bytes in memory, with its length */
 
+/* Some of the points of a file. */
+typedef struct format_rows {
+	uint64_t first, count;
+} format_rows;
+
 typedef struct format {
 	const char *name;              /* "ply", as on the command line */
 	const char *description;       /* for --help, a few words */
@@ -24,6 +29,15 @@ typedef struct format {
 	 * count is checked against the bytes that are there before anything is allocated. */
 	gw_status (*read)(struct input_file *in, scan *scan, gw_error *error);
 
+	/* How many points a file has, where they can be read in parts; 0 where they can not. NULL: they
+	 * never can. */
+	uint64_t (*count_rows)(struct input_file *in);
+
+	/* Reads the points [first, first + count), as read would have them, with all else that the file
+	 * says. On failure *scan is empty. */
+	gw_status (*read_rows)(struct input_file *in, const format_rows *rows, scan *scan,
+						   gw_error *error);
+
 	/* Whether the format can hold the coordinates of a scan; NULL: those of any.
 	 *   name   of the file, for messages */
 	gw_status (*accept)(const scan *scan, const char *name, gw_error *error);
@@ -34,6 +48,12 @@ typedef struct format {
 
 	/* Writes a scan: all columns in order. NULL when the format cannot be written. */
 	gw_status (*write)(struct output_file *out, const scan *scan, gw_error *error);
+
+	/* The same in parts, or NULL: what goes before all points, which are as many as rows->count and
+	 * have the columns of a scan; then scan after scan. */
+	gw_status (*write_head)(struct output_file *out, const format_rows *rows, const scan *scan,
+							gw_error *error);
+	gw_status (*write_rows)(struct output_file *out, const scan *scan, gw_error *error);
 } format;
 
 /* How to read a file; zeros ask the file itself. */

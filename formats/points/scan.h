@@ -149,6 +149,7 @@ typedef struct scan_points_options {
 	float intensity_full; /* what intensity counts to, after scan_intensity_make; 0: its 99th
 							 percentile */
 	uint32_t threads;     /* 0: one a core */
+	const struct scan_told *told; /* NULL; or what the whole tells of which this is a part */
 } scan_points_options;
 
 #define SCAN_POINTS_OPTIONS_DEFAULT                                                                \

@@ -36,10 +36,11 @@ double scan_opacity_full(const scan_column *column, size_t count)
 	return most <= 1.0 ? 1.0 : most <= 255.0 ? 255.0 : 65535.0;
 }
 
-static gw_status fill(const scan *cloud, const scan_column *column, float *opacity, bool *opaque,
-					  gw_error *error)
+static gw_status fill(const scan *cloud, const scan_opacity_told *told, float *opacity,
+					  bool *opaque, gw_error *error)
 {
-	double full = scan_opacity_full(column, cloud->count);
+	const scan_column *column = scan_opacity_find(cloud);
+	double full = told ? told->full : scan_opacity_full(column, cloud->count);
 	bool none = true, all = true;
 	for (size_t i = 0; i < cloud->count; i++) {
 		double value = value_of(column, i);
@@ -53,22 +54,22 @@ static gw_status fill(const scan *cloud, const scan_column *column, float *opaci
 		none = none && opacity[i] == 0.0f;
 		all = all && opacity[i] == 1.0f;
 	}
-	*opaque = all || (none && strstr(column->name, "alpha"));
+	*opaque = told ? told->opaque : all || (none && strstr(column->name, "alpha"));
 	return GW_OK;
 }
 
-gw_status scan_opacity_make(const scan *cloud, float **opacity, gw_error *error)
+gw_status scan_opacity_make(const scan *cloud, const scan_opacity_told *told, float **opacity,
+							gw_error *error)
 {
-	const scan_column *column = scan_opacity_find(cloud);
 	bool opaque = true;
 	*opacity = NULL;
-	if (!column || cloud->count == 0)
+	if (!scan_opacity_find(cloud) || cloud->count == 0)
 		return GW_OK;
 	*opacity = reallocarray(NULL, cloud->count, sizeof **opacity);
 	if (!*opacity)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for opacities of %zu points",
 					   cloud->count);
-	gw_status status = fill(cloud, column, *opacity, &opaque, error);
+	gw_status status = fill(cloud, told, *opacity, &opaque, error);
 	if (status == GW_OK && !opaque)
 		return GW_OK;
 	free(*opacity);

@@ -6,6 +6,7 @@
 #include "points/scan_color.h"
 #include "points/scan_opacity.h"
 #include "points/scan_intensity.h"
+#include "points/scan_told.h"
 #include "glowworm_host.h"
 
 #include <math.h>
@@ -142,9 +143,10 @@ static void albedo_constant(scan_points *out, size_t count, float value, const c
 }
 
 /* Points without colour among others get what is usual. */
-static void fill_blank(const scan_color *color, size_t count, scan_points *out)
+static void fill_blank(const scan_color *color, const scan_told *told, size_t count,
+					   scan_points *out)
 {
-	size_t blank = scan_color_count_blank(color, count);
+	size_t blank = told ? told->blank : scan_color_count_blank(color, count);
 	size_t length = strlen(out->albedo_source);
 	if (blank == 0)
 		return;
@@ -165,8 +167,8 @@ static gw_status albedo_of_colors(const scan *cloud, const scan_points_options *
 	bool forced = options->albedo == SCAN_ALBEDO_COLOR;
 	const char *encoding = options->linear_colors ? "taken as linear" : "decoded from sRGB";
 	scan_color color;
-	bool own = scan_color_find(cloud, scan_albedo_names, &color);
-	bool any = own || scan_color_find(cloud, scan_color_names, &color);
+	bool own = scan_told_color(options->told, cloud, true, &color);
+	bool any = own || scan_told_color(options->told, cloud, false, &color);
 	if (!any && forced)
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "the albedo shall come from colours, but the points have none");
@@ -182,7 +184,7 @@ static gw_status albedo_of_colors(const scan *cloud, const scan_points_options *
 	out->albedo_told = color.told;
 	GW_TRY(albedo_of_color(&color, cloud->count, options->linear_colors, out->albedo, error));
 	if (!own && !forced)
-		fill_blank(&color, cloud->count, out);
+		fill_blank(&color, options->told, cloud->count, out);
 	return GW_OK;
 }
 
@@ -304,7 +306,8 @@ static gw_status make_all(const scan *cloud, const scan_points_options *options,
 	if (all || column[0] || column[1] || column[2])
 		GW_TRY(gather(&out->emission, column, cloud->count, error));
 	GW_TRY(make_beam_shares(cloud, out, error));
-	return scan_opacity_make(cloud, &out->opacity, error);
+	return scan_opacity_make(cloud, options->told ? &options->told->opacity : NULL, &out->opacity,
+							 error);
 }
 
 gw_status scan_points_make(const scan *cloud, const scan_points_options *options, scan_points *out,

@@ -129,6 +129,23 @@ static gw_status take_scanners(scan *cloud, gw_error *error)
 	return GW_OK;
 }
 
+gw_status format_finish(scan *cloud, gw_status status, gw_error *error)
+{
+	if (status == GW_OK)
+		status = scan_color_unpack(cloud, error);
+	if (status == GW_OK)
+		status = take_scanners(cloud, error);
+	if (status != GW_OK)
+		scan_clear(cloud);
+	take_up(cloud);
+	return status;
+}
+
+const format *format_recognise(const char *path, const char *name, const input_file *in)
+{
+	return name ? format_by_name(name) : recognise(path, in);
+}
+
 gw_status format_read_with(const char *path, const format_options *options, scan *cloud,
 						   const format **recognised, gw_error *error)
 {
@@ -147,13 +164,7 @@ gw_status format_read_with(const char *path, const format_options *options, scan
 	if (!found)
 		found = recognise(path, &in);
 	gw_status status = input_file_check(&in, read_as(found, &in, cloud, error), error);
-	if (status == GW_OK)
-		status = scan_color_unpack(cloud, error);
-	if (status == GW_OK)
-		status = take_scanners(cloud, error);
-	if (status != GW_OK)
-		scan_clear(cloud);
-	take_up(cloud);
+	status = format_finish(cloud, status, error);
 	input_file_close(&in);
 	if (recognised)
 		*recognised = found;

@@ -21,6 +21,15 @@ const format *format_by_path(const char *path);
 gw_status format_read_with(const char *path, const format_options *options, scan *scan,
 						   const format **found, gw_error *error);
 
+/* The format of a file by its content, then by its extension, or the one that is called `name`,
+ * unless that is NULL. NULL when there is none. */
+const format *format_recognise(const char *path, const char *name, const struct input_file *in);
+
+/* What is the same for all formats once they are read: packed colours, scanners and the axis that
+ * points up as a lit file says them. Hands the status back, of reading or of its own; what failed
+ * is cleared. */
+gw_status format_finish(scan *scan, gw_status status, gw_error *error);
+
 /* The same with nothing but the name of the format to insist on, or NULL. */
 gw_status format_read(const char *path, const char *name, scan *scan, gw_error *error);
 

@@ -3,14 +3,17 @@
  */
 #include "bake/surface_light.h"
 
+#include "bake/report.h"
 #include "base/luminance.h"
 #include "base/memory.h"
 #include "cloud/neighbour_index.h"
 #include "glowworm_host.h"
+#include "glowworm_parts.h"
 
 #include <float.h>
 #include <math.h>
 #include <stdatomic.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -373,11 +376,9 @@ static bool open_index(spread *s)
 	size_t count = surface->points.count;
 	s->place = gw_allocate_array(count + 1, 3 * sizeof *s->place);
 	s->row = gw_allocate_array(count + 1, sizeof *s->row);
-	s->chosen = gw_allocate_zeros(s->task->points->count, sizeof *s->chosen);
-	if (!s->place || !s->row || !s->chosen)
+	if (!s->place || !s->row)
 		return false;
 	for (size_t k = 0; k < count; k++) {
-		s->chosen[surface->from[k]] = 1;
 		if (!is_lit(s->lit, k))
 			continue;
 		if (s->rows == 0)
@@ -388,6 +389,15 @@ static bool open_index(spread *s)
 	}
 	s->index = s->rows > 0 ? gw_neighbour_index_build(s->place, s->rows) : NULL;
 	return s->index != NULL || s->rows == 0;
+}
+
+static bool mark_chosen(spread *s)
+{
+	const gw_point_subset *surface = s->task->surface;
+	s->chosen = gw_allocate_zeros(s->task->points->count + 1, sizeof *s->chosen);
+	for (size_t k = 0; s->chosen && surface->from && k < surface->points.count; k++)
+		s->chosen[surface->from[k]] = 1;
+	return s->chosen != NULL;
 }
 
 /* Makes room for `count` values of `width` where the surface has some. */
@@ -447,7 +457,7 @@ static bool mark_strays(const gw_surface_light_task *task, const gw_bake_result 
 		return !lit->stray && !known;
 	if (known)
 		memcpy(out->stray, p->stray, p->count);
-	for (size_t k = 0; lit->stray && k < task->surface->points.count; k++)
+	for (size_t k = 0; lit->stray && task->surface->from && k < task->surface->points.count; k++)
 		out->stray[task->surface->from[k]] = lit->stray[k];
 	return true;
 }
@@ -460,7 +470,8 @@ static bool mark_asked(const gw_surface_light_task *task, gw_bake_result *out)
 	return out->asked || !task->asked;
 }
 
-static void add_error(const sums *beside, const sums *compared, size_t points, gw_report *report)
+/* What lies between the points of the surface, where `share` of the points are beside it. */
+static void add_error(const sums *beside, const sums *compared, double share, gw_report *report)
 {
 	gw_error_estimate *e = &report->error;
 	if (compared->compared == 0 || !(compared->radiance > 0.0) || beside->beside == 0)
@@ -469,27 +480,73 @@ static void add_error(const sums *beside, const sums *compared, size_t points, g
 	double square = compared->squares / (double)compared->compared / (mean * mean);
 	double apart = compared->distance / (double)compared->compared;
 	double nearest = beside->distance / (double)beside->beside;
-	double share = (double)beside->beside / (double)points;
-	e->between = sqrt(square * share * fmin(nearest / fmax(apart, DBL_MIN), 1.0));
-	e->relative_rms = hypot(e->relative_rms, e->between);
+	double between = sqrt(square * share * fmin(nearest / fmax(apart, DBL_MIN), 1.0));
+	e->between = hypot(e->between, between);
+	e->relative_rms = hypot(e->relative_rms, between);
+}
+
+void gw_surface_light_count(uint64_t all, const char *why, gw_report *report)
+{
+	char meaning[200];
+	uint64_t count = report->surface_points;
+	snprintf(meaning, sizeof meaning,
+			 "point{ is|s are} lit by the surface that %llu others make, %.3g m apart: %s",
+			 (unsigned long long)count, report->spacing, why);
+	gw_report_count(report, "beside_surface", all - count, meaning);
+}
+
+/* What lies between points may be what makes the error too large. */
+void gw_surface_light_hold_against(double wanted, gw_report *report)
+{
+	if (!(wanted > 0.0) || report->missed || report->error.relative_rms <= wanted)
+		return;
+	report->missed = true;
+	report->goal = GW_GOAL_EXHAUSTED;
+}
+
+/* The index, and how much the surface differs from what is around. */
+static bool open_surface(spread *s, sums *compared)
+{
+	*compared = (sums){ .squares = 0.0 };
+	return open_index(s) && (!s->index || use_all(s, s->rows > 1 ? s->rows : 0, compared));
+}
+
+/* Lights all points of the task. */
+static bool light_all(spread *s, gw_bake_result *out, sums *beside)
+{
+	size_t count = s->task->points->count;
+	*beside = (sums){ .squares = 0.0 };
+	if (!make_room(s->lit, count, out) || !mark_strays(s->task, s->lit, out) ||
+		!mark_asked(s->task, out) || !mark_chosen(s) || !order_points(s))
+		return false;
+	s->out = out;
+	return !s->index || use_all(s, count, beside);
 }
 
 static bool spread_all(spread *s, gw_bake_result *out)
 {
-	const gw_points *points = s->task->points;
 	sums compared, beside;
-	if (!make_room(s->lit, points->count, out) || !mark_strays(s->task, s->lit, out) ||
-		!mark_asked(s->task, out) || !open_index(s) || !order_points(s))
+	if (!open_surface(s, &compared) || !light_all(s, out, &beside))
 		return false;
-	if (!s->index)
-		return true;
-	if (!use_all(s, s->rows > 1 ? s->rows : 0, &compared))
-		return false;
-	s->out = out;
-	if (!use_all(s, points->count, &beside))
-		return false;
-	add_error(&beside, &compared, points->count, &out->report);
+	double share = (double)beside.beside / fmax((double)s->task->points->count, 1.0);
+	add_error(&beside, &compared, share, &out->report);
 	return true;
+}
+
+/* What light_all makes for one part. */
+static void clear_part(spread *s)
+{
+	free(s->chosen);
+	free(s->order);
+	s->chosen = NULL;
+	s->order = NULL;
+}
+
+static void clear_index(spread *s)
+{
+	gw_neighbour_index_free(s->index);
+	free(s->place);
+	free(s->row);
 }
 
 gw_status gw_surface_light_spread(const gw_surface_light_task *task, gw_bake_result *result,
@@ -498,11 +555,8 @@ gw_status gw_surface_light_spread(const gw_surface_light_task *task, gw_bake_res
 	gw_bake_result out = *result;
 	spread s = { .task = task, .lit = result };
 	bool good = spread_all(&s, &out);
-	gw_neighbour_index_free(s.index);
-	free(s.place);
-	free(s.row);
-	free(s.chosen);
-	free(s.order);
+	clear_part(&s);
+	clear_index(&s);
 	gw_bake_result *rest = good ? result : &out;
 	free_room(rest);
 	free(rest->stray);
@@ -512,4 +566,85 @@ gw_status gw_surface_light_spread(const gw_surface_light_task *task, gw_bake_res
 	return good ? GW_OK
 				: gw_fail(error, GW_ERROR_MEMORY, "no memory for the light of %zu points",
 						  task->points->count);
+}
+
+/* ------------------------------------------------------------------------------------- in parts */
+
+struct gw_lit_surface {
+	gw_point_subset surface; /* refers to what was given */
+	gw_surface_light_task task;
+	spread spread;
+	sums compared, beside;
+	double wanted; /* gw_bake_options.max_error */
+};
+
+static gw_status no_memory(size_t points, gw_error *error)
+{
+	return gw_fail(error, GW_ERROR_MEMORY, "no memory for the light of %zu points", points);
+}
+
+gw_status gw_lit_surface_open(const gw_points *points, const gw_bake_result *lit,
+							  const gw_bake_options *options, gw_lit_surface **surface,
+							  gw_error *error)
+{
+	gw_lit_surface *made = *surface = gw_allocate_zeros(1, sizeof *made);
+	if (!made)
+		return no_memory(points->count, error);
+	made->surface.points = *points;
+	made->surface.position = (double *)points->position;
+	made->surface.normal = (float *)points->normal;
+	made->surface.emission = (float *)points->emission;
+	made->task = (gw_surface_light_task){ .surface = &made->surface,
+										  .estimated = options->normals == GW_NORMALS_ESTIMATE,
+										  .threads = options->threads };
+	made->spread = (spread){ .task = &made->task, .lit = lit };
+	made->wanted = (double)options->max_error;
+	if (open_surface(&made->spread, &made->compared))
+		return GW_OK;
+	gw_lit_surface_close(surface);
+	return no_memory(points->count, error);
+}
+
+/* The report's numbers, without what the light of the surface owns. */
+static void copy_numbers(const gw_report *report, gw_report *copy)
+{
+	*copy = *report;
+	copy->bounce = NULL;
+	copy->bounce_count = 0;
+}
+
+gw_status gw_lit_surface_light(gw_lit_surface *surface, const gw_points *part,
+							   gw_bake_result **light, gw_error *error)
+{
+	gw_bake_result *out = *light = gw_allocate_zeros(1, sizeof *out);
+	spread s = surface->spread;
+	sums beside;
+	if (!out)
+		return no_memory(part->count, error);
+	copy_numbers(&s.lit->report, &out->report);
+	surface->task.points = part;
+	bool good = light_all(&s, out, &beside);
+	clear_part(&s);
+	surface->beside.distance += beside.distance;
+	surface->beside.beside += beside.beside;
+	if (!good)
+		gw_bake_result_destroy(light);
+	return good ? GW_OK : no_memory(part->count, error);
+}
+
+void gw_lit_surface_report(const gw_lit_surface *surface, uint64_t all, gw_report *report)
+{
+	if (report->surface_points == 0)
+		report->surface_points = surface->surface.points.count;
+	gw_surface_light_count(all, "memory holds no more", report);
+	add_error(&surface->beside, &surface->compared, 1.0, report);
+	gw_surface_light_hold_against(surface->wanted, report);
+}
+
+void gw_lit_surface_close(gw_lit_surface **surface)
+{
+	if (*surface)
+		clear_index(&(*surface)->spread);
+	free(*surface);
+	*surface = NULL;
 }

@@ -33,4 +33,12 @@ typedef struct gw_surface_light_task {
 gw_status gw_surface_light_spread(const gw_surface_light_task *task, gw_bake_result *result,
 								  gw_error *error);
 
+/* Says in a report how many of all points are lit by how many others (report->surface_points), and
+ * why: a phrase. */
+void gw_surface_light_count(uint64_t all, const char *why, gw_report *report);
+
+/* Says of a report that an error that was asked for is missed, if it is.
+ *   wanted   gw_bake_options.max_error; 0: none was */
+void gw_surface_light_hold_against(double wanted, gw_report *report);
+
 #endif

@@ -67,13 +67,8 @@ static const char *why_thinned(const thinned *t)
 
 static void report_surface(const thinned *t, gw_report *report)
 {
-	size_t all = t->whole->points->count, count = t->surface.points.count;
-	char meaning[200];
-	snprintf(meaning, sizeof meaning,
-			 "point{ is|s are} lit by the surface that %zu others make, %.3g m apart: %s", count,
-			 report->spacing, why_thinned(t));
-	report->surface_points = count;
-	gw_report_count(report, "beside_surface", all - count, meaning);
+	report->surface_points = t->surface.points.count;
+	gw_surface_light_count(t->whole->points->count, why_thinned(t), report);
 }
 
 static void add_stage(const char *name, double seconds, gw_report *report)
@@ -82,16 +77,6 @@ static void add_stage(const char *name, double seconds, gw_report *report)
 	snprintf(stage.name, sizeof stage.name, "%s", name);
 	if (seconds > 0.0)
 		gw_report_add_stage(report, &stage);
-}
-
-/* What lies between points may be what makes the error too large. */
-static void hold_against_target(const gw_bake_options *options, gw_report *report)
-{
-	double wanted = (double)options->max_error;
-	if (!(wanted > 0.0) || report->missed || report->error.relative_rms <= wanted)
-		return;
-	report->missed = true;
-	report->goal = GW_GOAL_EXHAUSTED;
 }
 
 /* From the light of the surface to that of all points. */
@@ -106,7 +91,7 @@ static gw_status light_others(const thinned *t, gw_bake_result *result, gw_error
 	double start = gw_seconds();
 	GW_TRY(gw_surface_light_spread(&task, result, error));
 	report_surface(t, &result->report);
-	hold_against_target(t->options, &result->report);
+	gw_surface_light_hold_against((double)t->options->max_error, &result->report);
 	add_stage("choice of points", t->seconds, &result->report);
 	add_stage("points beside", gw_seconds() - start, &result->report);
 	return GW_OK;

@@ -35,9 +35,6 @@ void *gw_resize_array(void *array, size_t count, size_t size);
  */
 void gw_wish_huge_pages(void *memory, size_t bytes);
 
-/* Bytes of memory that this process holds now; 0 where the system does not say. */
-uint64_t gw_resident_memory(void);
-
 #ifdef __cplusplus
 }
 #endif

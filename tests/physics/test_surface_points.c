@@ -4,6 +4,7 @@
  */
 #include "bake/surface_points.h"
 #include "expected.h"
+#include "glowworm_parts.h"
 #include "glowworm_picture.h"
 #include "scenes.h"
 
@@ -443,6 +444,73 @@ static void what_cannot_be_is_refused(void **state)
 	scene_clear(&s);
 }
 
+/* A part of the points of a hall; light that they got by the surface. */
+static gw_bake_result *light_of(gw_lit_surface *surface, const gw_points *all, size_t first,
+								size_t count)
+{
+	gw_error error;
+	gw_bake_result *light;
+	const gw_points part = { .count = count,
+							 .position = all->position + 3 * first,
+							 .normal = all->normal + 3 * first,
+							 .albedo = all->albedo + 3 * first,
+							 .emission = all->emission ? all->emission + 3 * first : NULL };
+	assert_ok(gw_lit_surface_light(surface, &part, &light, &error), &error);
+	assert_int_equal(light->count, count);
+	return light;
+}
+
+/* A surface that was baked lights others part by part, whatever the parts, as it does when all
+ * points are given at once; its own points get the light that they have, but for what those around
+ * them add: the nearest counts by the square of its distance, which is none. */
+static void lights_in_parts(void **state)
+{
+	(void)state;
+	enum { PART = 777 };
+	const gw_light lamp = scene_point_light(1.5, 1.0, 1.5, 3.0f);
+	scene s = { .state = 1 };
+	gw_error error;
+	scene_make_small_hall(&s);
+	const gw_points all = scene_points(&s);
+	const gw_bake_options options = thinned(1500);
+	gw_point_subset surface;
+	choose(&all, 1500, &surface);
+	gw_bake_result *lit = scene_bake(&surface.points, &lamp, 1, &options);
+	gw_bake_result *thin = scene_bake(&all, &lamp, 1, &options);
+	gw_lit_surface *by;
+	assert_ok(gw_lit_surface_open(&surface.points, lit, &options, &by, &error), &error);
+	gw_bake_result *whole = light_of(by, &all, 0, s.count);
+	for (size_t first = 0; first < s.count; first += PART) {
+		size_t left = s.count - first, count = left < PART ? left : PART;
+		gw_bake_result *part = light_of(by, &all, first, count);
+		assert_memory_equal(part->radiance, whole->radiance + 3 * first,
+							3 * count * sizeof *part->radiance);
+		assert_memory_equal(part->normal, whole->normal + 3 * first,
+							3 * count * sizeof *part->normal);
+		gw_bake_result_destroy(&part);
+	}
+	for (size_t i = 0; i < 3 * s.count; i++)
+		assert_true(whole->radiance[i] == thin->radiance[i]);
+	for (size_t k = 0; k < surface.points.count; k++)
+		for (size_t c = 0; c < 3; c++) {
+			double own = (double)lit->direct_irradiance[3 * k + c];
+			double got = (double)whole->direct_irradiance[3 * surface.from[k] + c];
+			/* 1e-6 of the reach counts as no distance; up to eight others around. */
+			assert_true(fabs(got - own) <= 1e-4 * (own + 1.0));
+		}
+	double before = lit->report.error.relative_rms;
+	gw_lit_surface_report(by, s.count, &lit->report);
+	assert_int_equal(lit->report.surface_points, surface.points.count);
+	assert_true(lit->report.error.between > 0.0 && lit->report.error.relative_rms > before);
+	gw_lit_surface_close(&by);
+	gw_lit_surface_close(&by);
+	gw_bake_result_destroy(&whole);
+	gw_bake_result_destroy(&thin);
+	gw_bake_result_destroy(&lit);
+	gw_point_subset_clear(&surface);
+	scene_clear(&s);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -459,6 +527,7 @@ int main(void)
 		cmocka_unit_test(an_error_asks_for_more),
 		cmocka_unit_test(an_error_takes_few_points),
 		cmocka_unit_test(what_cannot_be_is_refused),
+		cmocka_unit_test(lights_in_parts),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

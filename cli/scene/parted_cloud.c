@@ -1,0 +1,113 @@
+/* parted_cloud.c - see parted_cloud.h. */
+#include "scene/parted_cloud.h"
+
+#include "glowworm_host.h"
+#include "points/scan_thinning.h"
+#include "program/signals.h"
+
+#include <string.h>
+#include <sys/stat.h>
+
+/* Points that are read at once. */
+#define PART_POINTS ((size_t)1 << 18)
+
+/* Bytes of a point that is kept, whose surface, octree and records are made, with 100 for its
+ * columns, and of the program and its driver; such that gw_surface_points_most finds room for all
+ * that are kept. What the process holds just now is not asked, which is never twice the same: the
+ * points that are kept are to be. */
+#define KEPT_BYTES 1600u
+#define FIXED_BYTES (UINT64_C(264) << 20)
+
+/* With fewer points a bake is refused for want of memory rather than made of next to nothing. */
+#define KEPT_LEAST 10000u
+#define KEPT_MOST ((uint64_t)1 << 30)
+
+/* Whether what is asked for needs no more than one point after the other. */
+static bool asks_for_points_alone(const settings *s, const format *output)
+{
+	return output && output->write_head && !s->vdb_points && !s->save_transport && !s->transport &&
+		   !s->region && s->frame_count == 0 && s->path_count == 0 &&
+		   s->strays != SETTINGS_STRAYS_DROP && s->points.albedo != SCAN_ALBEDO_INTENSITY;
+}
+
+/* One file of points, which can be read twice. */
+static bool is_one_file(const settings *s)
+{
+	struct stat info;
+	const settings_input *from = s->input;
+	return s->input_count == 1 && !from->has_matrix && !from->mesh && !s->columns &&
+		   strcmp(from->path, "-") != 0 && stat(from->path, &info) == 0 && S_ISREG(info.st_mode) &&
+		   info.st_size > 0;
+}
+
+/* How many bytes a bake may take in all. */
+static uint64_t memory_for(const settings *s)
+{
+	uint64_t available = gw_available_memory();
+	if (s->bake.memory > 0)
+		return s->bake.memory;
+	return available > 0 ? available / 4 * 3 + gw_resident_memory() : UINT64_MAX;
+}
+
+static size_t points_for(uint64_t memory, uint64_t count)
+{
+	uint64_t kept = memory > FIXED_BYTES ? (memory - FIXED_BYTES) / KEPT_BYTES : 0;
+	if (memory == UINT64_MAX || count <= kept)
+		return 0;
+	return kept < KEPT_LEAST ? 0 : (size_t)(kept < KEPT_MOST ? kept : KEPT_MOST);
+}
+
+gw_status parted_cloud_open(const settings *s, const format *output, parted_cloud *parted,
+							gw_error *error)
+{
+	const format_options options = { s->format, s->columns, s->bake.threads };
+	*parted = (parted_cloud){ .most = 0 };
+	if (!asks_for_points_alone(s, output) || !is_one_file(s))
+		return GW_OK;
+	GW_TRY(format_parts_open(s->input[0].path, &options, &parted->file, error));
+	if (parted->file.found)
+		parted->most = points_for(memory_for(s), parted->file.count);
+	return GW_OK;
+}
+
+static gw_status thin(parted_cloud *parted, scan_thinning *thinning, gw_error *error)
+{
+	for (uint64_t first = 0; first < parted->file.count; first += PART_POINTS) {
+		scan part;
+		GW_TRY(parted_cloud_read(parted, first, &part, error));
+		gw_status status = scan_thinning_add(thinning, &part, error);
+		scan_clear(&part);
+		GW_TRY(status);
+		GW_TRY(signals_check(error));
+	}
+	return GW_OK;
+}
+
+gw_status parted_cloud_thin(parted_cloud *parted, scan *cloud, gw_error *error)
+{
+	scan_thinning thinning = scan_thinning_begin(parted->most);
+	*cloud = (scan){ 0 };
+	gw_status status = thin(parted, &thinning, error);
+	if (status == GW_OK)
+		scan_thinning_take(&thinning, cloud);
+	scan_thinning_clear(&thinning);
+	if (status == GW_OK && cloud->count == 0)
+		status = gw_fail(error, GW_ERROR_DATA, "%s has no point whose place is finite",
+						 parted->file.in.name);
+	if (status == GW_OK)
+		status = scan_told_find(cloud, &parted->told, error);
+	if (status != GW_OK)
+		scan_clear(cloud);
+	return status;
+}
+
+gw_status parted_cloud_read(parted_cloud *parted, uint64_t first, scan *cloud, gw_error *error)
+{
+	return format_parts_read(&parted->file, first, PART_POINTS, cloud, error);
+}
+
+void parted_cloud_close(parted_cloud *parted)
+{
+	format_parts_close(&parted->file);
+	*parted = (parted_cloud){ .most = 0 };
+}

@@ -1,0 +1,38 @@
+/*
+ * parted_cloud.h - an input that memory does not hold: read once to keep as many of its points as
+ * do, spread over its surface, which are baked; and once more, part by part, to light all of them.
+ */
+#ifndef PARTED_CLOUD_H
+#define PARTED_CLOUD_H
+
+#include "options/settings.h"
+#include "points/scan_told.h"
+#include "table/format_parts.h"
+
+typedef struct parted_cloud {
+	format_parts file;
+	size_t most;    /* points that may be kept; 0: all of them fit, and are read as usual */
+	scan_told told; /* after parted_cloud_thin: what the columns' values tell */
+} parted_cloud;
+
+/*
+ * Looks whether the points of the inputs fit into memory, and where they do not, whether they can
+ * be read in parts: one cloud alone, in a file and a format that allow it as that of the results
+ * does, with nothing asked for that takes all points at once. Otherwise they are read as usual.
+ *   output   the format of the results, or NULL
+ *   parted   to be given back with parted_cloud_close
+ */
+gw_status parted_cloud_open(const settings *settings, const format *output, parted_cloud *parted,
+							gw_error *error);
+
+/* Keeps some of the points. GW_ERROR_DATA, GW_ERROR_MEMORY, GW_ERROR_CANCELLED.
+ *   cloud   to be freed with scan_clear; empty on failure */
+gw_status parted_cloud_thin(parted_cloud *parted, scan *cloud, gw_error *error);
+
+/* Some thousand points from `first` on, of which there is one at least.
+ *   cloud   to be freed with scan_clear; empty on failure */
+gw_status parted_cloud_read(parted_cloud *parted, uint64_t first, scan *cloud, gw_error *error);
+
+void parted_cloud_close(parted_cloud *parted);
+
+#endif

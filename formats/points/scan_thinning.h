@@ -1,0 +1,42 @@
+/*
+ * scan_thinning.h - some of the points of a scan that comes part by part: about as many as are
+ * wanted, spread over its surface.
+ *
+ * One point is kept of each cube of a grid, or one of those in it that face the same of its sides
+ * where the scan has normals. Which it is, a hash of its place says. When more are kept than there
+ * may be, the grid gets coarser by a fifth and what is kept is thinned again, so that neither the
+ * extent nor the number of the points has to be known. Points whose place is not finite are left
+ * out.
+ */
+#ifndef SCAN_THINNING_H
+#define SCAN_THINNING_H
+
+#include "points/scan.h"
+
+typedef struct scan_thinning {
+	size_t most;    /* points to be kept, 1 or more; from a half of them on is usual */
+	double width;   /* of the cubes, in units of the coordinates; 0: not known yet */
+	scan kept;      /* columns of the parts, with room for `room` points; kept.count are there */
+	size_t room;    /* its other facts are those of the first part */
+	uint64_t *cube; /* one a point that is kept */
+	uint64_t *rank; /* likewise */
+	uint64_t mask;  /* of the table: */
+	uint32_t *slot; /* 0: free; or 1 + the number of a point that is kept */
+} scan_thinning;
+
+/* Nothing kept yet. most: 1 to 2^31. Given back with scan_thinning_clear. */
+scan_thinning scan_thinning_begin(size_t most);
+
+/*
+ * Adds a part, which has the columns of those before it.
+ * Fails with GW_ERROR_DATA where it has others or lacks x, y and z, with GW_ERROR_MEMORY.
+ */
+gw_status scan_thinning_add(scan_thinning *thinning, const scan *part, gw_error *error);
+
+/* Hands over what was kept, in no order that means anything; the thinning is empty then.
+ *   cloud   to be freed with scan_clear */
+void scan_thinning_take(scan_thinning *thinning, scan *cloud);
+
+void scan_thinning_clear(scan_thinning *thinning);
+
+#endif

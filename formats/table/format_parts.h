@@ -1,0 +1,36 @@
+/*
+ * format_parts.h - a file's points part by part, for those that memory does not hold at once.
+ */
+#ifndef FORMAT_PARTS_H
+#define FORMAT_PARTS_H
+
+#include "files/input_file.h"
+#include "points/format.h"
+
+typedef struct format_parts {
+	input_file in;
+	const format *found; /* NULL: the file cannot be read in parts */
+	uint64_t count;      /* points of the file */
+} format_parts;
+
+/*
+ * Opens a file, if it is one whose points can be read in parts: no pipe, and of a format and in an
+ * encoding that allow it.
+ *   parts     to be given back with format_parts_close, also where found is NULL
+ *   options   as for format_read_with
+ * Fails like input_file_open_as.
+ */
+gw_status format_parts_open(const char *path, const format_options *options, format_parts *parts,
+							gw_error *error);
+
+/*
+ * Reads the points [first, first + count), or those of them that there are; what else the file says
+ * is in every part.
+ *   part   to be freed with scan_clear; empty on failure
+ */
+gw_status format_parts_read(format_parts *parts, uint64_t first, size_t count, scan *part,
+							gw_error *error);
+
+void format_parts_close(format_parts *parts);
+
+#endif

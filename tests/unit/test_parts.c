@@ -1,0 +1,360 @@
+/*
+ * test_parts.c - points of a file read and written part by part, and those of them that are kept
+ * where memory does not hold all.
+ */
+#include "expected.h"
+#include "files/output_file.h"
+#include "points/scan_thinning.h"
+#include "points/scan_told.h"
+#include "table/format_parts.h"
+#include "table/format_table.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#define COUNT 20000u
+
+static char folder[64];
+
+/* Files are written where nobody else writes. */
+static int enter_folder(void **state)
+{
+	(void)state;
+	strcpy(folder, "/tmp/glowworm-test-XXXXXX");
+	return mkdtemp(folder) ? chdir(folder) : -1;
+}
+
+static int leave_folder(void **state)
+{
+	(void)state;
+	return chdir("/") == 0 ? rmdir(folder) : -1;
+}
+
+/* Numbers from 0 to 1, the same every time. */
+static double random_number(uint64_t *state)
+{
+	*state = *state * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+	return (double)(*state >> 11) * 0x1p-53;
+}
+
+static scan_column *add(scan *cloud, const char *name, scan_type type)
+{
+	gw_error error;
+	scan_column *column = scan_add_column(cloud, name, type, &error);
+	assert_non_null(column);
+	return column;
+}
+
+/* A square of 2 m at z = 1, of which half of the points lie within a tenth of its width; its colour
+ * is the number of the point. */
+static scan uneven_square(void)
+{
+	scan cloud = { .count = COUNT, .up = 'z' };
+	uint64_t state = 1;
+	add(&cloud, "x", SCAN_FLOAT64);
+	add(&cloud, "y", SCAN_FLOAT64);
+	add(&cloud, "z", SCAN_FLOAT32);
+	add(&cloud, "number", SCAN_UINT32);
+	for (size_t i = 0; i < COUNT; i++) {
+		scan_store(scan_find(&cloud, "x"), i, (i % 2 ? 0.2 : 2.0) * random_number(&state));
+		scan_store(scan_find(&cloud, "y"), i, 2.0 * random_number(&state));
+		scan_store(scan_find(&cloud, "z"), i, 1.0);
+		scan_store(scan_find(&cloud, "number"), i, (double)i);
+	}
+	return cloud;
+}
+
+/* Rows [first, first + count) of a cloud as a cloud. */
+static scan rows_of(const scan *cloud, size_t first, size_t count)
+{
+	scan part = { .count = count, .up = cloud->up };
+	for (size_t c = 0; c < cloud->column_count; c++) {
+		const scan_column *from = &cloud->column[c];
+		size_t size = scan_type_size(from->type);
+		memcpy(add(&part, from->name, from->type)->data, (const char *)from->data + first * size,
+			   count * size);
+	}
+	return part;
+}
+
+static scan kept_of(const scan *cloud, size_t most, size_t part_points)
+{
+	gw_error error;
+	scan_thinning thinning = scan_thinning_begin(most);
+	for (size_t first = 0; first < cloud->count; first += part_points) {
+		size_t left = cloud->count - first;
+		scan part = rows_of(cloud, first, left < part_points ? left : part_points);
+		assert_ok(scan_thinning_add(&thinning, &part, &error), &error);
+		scan_clear(&part);
+	}
+	scan kept;
+	scan_thinning_take(&thinning, &kept);
+	scan_thinning_clear(&thinning);
+	return kept;
+}
+
+/* No more than there may be and no less than a half, each a point of the cloud with all that it
+ * has; and evenly: of the dense tenth no more than its share of cubes, which those on its border
+ * make larger by one column of the 31 and more that there are. */
+static void thinned_evenly(void **state)
+{
+	(void)state;
+	scan cloud = uneven_square(), kept = kept_of(&cloud, 2000, 3000);
+	size_t dense = 0;
+	assert_in_range(kept.count, 1000, 2000);
+	for (size_t k = 0; k < kept.count; k++) {
+		size_t i = (size_t)scan_value(scan_find(&kept, "number"), k);
+		for (size_t c = 0; c < kept.column_count; c++)
+			assert_true(scan_value(&kept.column[c], k) ==
+						scan_value(scan_find(&cloud, kept.column[c].name), i));
+		dense += scan_value(scan_find(&kept, "x"), k) < 0.2;
+	}
+	assert_in_range(dense, kept.count / 13, kept.count * 5 / 31);
+	scan_clear(&kept);
+	scan_clear(&cloud);
+}
+
+/* How the cloud is parted is no matter, but for the first cubes, which the first part makes. */
+static void parts_are_no_matter(void **state)
+{
+	(void)state;
+	scan cloud = uneven_square();
+	scan kept = kept_of(&cloud, 1500, COUNT), again = kept_of(&cloud, 1500, COUNT);
+	assert_int_equal(kept.count, again.count);
+	for (size_t c = 0; c < kept.column_count; c++)
+		assert_memory_equal(kept.column[c].data, again.column[c].data,
+							kept.count * scan_type_size(kept.column[c].type));
+	scan_clear(&again);
+	scan_clear(&kept);
+	kept = kept_of(&cloud, COUNT + 1, 777);
+	assert_true(kept.count > COUNT * 9 / 10);
+	scan_clear(&kept);
+	scan_clear(&cloud);
+}
+
+/* Points far off and such as have no place take no room from the others; one place over and over is
+ * one point. */
+static void far_and_nowhere(void **state)
+{
+	(void)state;
+	scan cloud = uneven_square();
+	scan_column *x = scan_find(&cloud, "x");
+	scan_store(x, 3, NAN);
+	scan_store(x, 4, INFINITY);
+	scan_store(x, 5, -1e300);
+	scan kept = kept_of(&cloud, 2000, 3000);
+	assert_in_range(kept.count, 1000, 2000);
+	for (size_t k = 0; k < kept.count; k++)
+		assert_true(isfinite(scan_value(scan_find(&kept, "x"), k)));
+	scan_clear(&kept);
+	for (size_t i = 0; i < COUNT; i++) {
+		scan_store(x, i, 7.0);
+		scan_store(scan_find(&cloud, "y"), i, 7.0);
+	}
+	kept = kept_of(&cloud, 2000, 3000);
+	assert_int_equal(kept.count, 1);
+	scan_clear(&kept);
+	scan_clear(&cloud);
+}
+
+/* Both sheets of a wall thinner than a cube are kept where normals tell them apart. */
+static void sheets_are_kept(void **state)
+{
+	(void)state;
+	scan cloud = uneven_square();
+	scan_column *normal = NULL;
+	for (int k = 0; k < 3; k++)
+		normal = add(&cloud, (const char *const[]){ "nx", "ny", "nz" }[k], SCAN_FLOAT32);
+	for (size_t i = 0; i < COUNT; i++)
+		scan_store(normal, i, i / 2 % 2 ? 1.0 : -1.0);
+	scan kept = kept_of(&cloud, 2000, 3000);
+	size_t up = 0;
+	for (size_t k = 0; k < kept.count; k++)
+		up += scan_value(scan_find(&kept, "nz"), k) > 0.0;
+	/* One of every cube that is full faces each way: halves but for cubes with few points. */
+	assert_in_range(up, kept.count * 4 / 10, kept.count * 6 / 10);
+	scan_clear(&kept);
+	scan_clear(&cloud);
+}
+
+static void columns_must_agree(void **state)
+{
+	(void)state;
+	gw_error error;
+	scan cloud = uneven_square(), other = rows_of(&cloud, 0, 10);
+	scan_thinning thinning = scan_thinning_begin(100);
+	assert_ok(scan_thinning_add(&thinning, &cloud, &error), &error);
+	scan_remove_column(&other, "number");
+	assert_int_equal(scan_thinning_add(&thinning, &other, &error), GW_ERROR_DATA);
+	scan_remove_column(&other, "z");
+	assert_int_equal(scan_thinning_add(&thinning, &other, &error), GW_ERROR_DATA);
+	scan_thinning_clear(&thinning);
+	scan_clear(&other);
+	scan_clear(&cloud);
+}
+
+static void write_whole(const char *path, const scan *cloud)
+{
+	gw_error error;
+	output_file *out;
+	assert_ok(output_file_create(&out, path, true, &error), &error);
+	assert_ok(format_by_name("ply")->write(out, cloud, &error), &error);
+	assert_ok(output_file_commit(&out, &error), &error);
+}
+
+static void write_parts(const char *path, const scan *cloud, size_t part_points)
+{
+	gw_error error;
+	output_file *out;
+	const format *ply = format_by_name("ply");
+	const format_rows all = { .count = cloud->count };
+	assert_ok(output_file_create(&out, path, true, &error), &error);
+	for (size_t first = 0; first < cloud->count; first += part_points) {
+		size_t left = cloud->count - first;
+		scan part = rows_of(cloud, first, left < part_points ? left : part_points);
+		if (first == 0)
+			assert_ok(ply->write_head(out, &all, &part, &error), &error);
+		assert_ok(ply->write_rows(out, &part, &error), &error);
+		scan_clear(&part);
+	}
+	assert_ok(output_file_commit(&out, &error), &error);
+}
+
+static void assert_same_rows(const scan *part, const scan *cloud, size_t first)
+{
+	assert_int_equal(part->column_count, cloud->column_count);
+	for (size_t c = 0; c < part->column_count; c++) {
+		size_t size = scan_type_size(part->column[c].type);
+		assert_string_equal(part->column[c].name, cloud->column[c].name);
+		assert_memory_equal(part->column[c].data,
+							(const char *)cloud->column[c].data + first * size, part->count * size);
+	}
+}
+
+/* Files that parts are written to are those that are written at once; read in any parts, more than
+ * once, they have the same points. */
+static void files_in_parts(void **state)
+{
+	(void)state;
+	gw_error error;
+	const format_options options = { .threads = 2 };
+	scan cloud = uneven_square(), read;
+	format_parts parts;
+	write_parts("parts.ply", &cloud, 1234);
+	write_whole("whole.ply", &cloud);
+	assert_ok(format_read("parts.ply", NULL, &read, &error), &error);
+	assert_int_equal(read.count, COUNT);
+	assert_same_rows(&read, &cloud, 0);
+	scan_clear(&read);
+	assert_ok(format_parts_open("whole.ply", &options, &parts, &error), &error);
+	assert_non_null(parts.found);
+	assert_int_equal(parts.count, COUNT);
+	for (int times = 0; times < 2; times++)
+		for (size_t first = 0; first < COUNT; first += 4567) {
+			assert_ok(format_parts_read(&parts, first, 4567, &read, &error), &error);
+			assert_int_equal(read.count, COUNT - first < 4567 ? COUNT - first : 4567);
+			assert_same_rows(&read, &cloud, first);
+			scan_clear(&read);
+		}
+	format_parts_close(&parts);
+	scan_clear(&cloud);
+	unlink("parts.ply");
+	unlink("whole.ply");
+}
+
+static void write_text(const char *path, const char *head, size_t bytes)
+{
+	FILE *file = fopen(path, "wb");
+	assert_non_null(file);
+	fputs(head, file);
+	for (size_t i = 0; i < bytes; i++)
+		fputc(1, file);
+	assert_int_equal(fclose(file), 0);
+}
+
+/* What cannot be read in parts is left to those that read it at once, who say what is wrong. */
+static void files_not_in_parts(void **state)
+{
+	(void)state;
+#define XYZ "property float x\nproperty float y\nproperty float z\n"
+	static const struct {
+		const char *head;
+		size_t bytes;
+		uint64_t count;
+	} file[] = {
+		{ "ply\nformat binary_little_endian 1.0\nelement vertex 3\n" XYZ "end_header\n", 36, 3 },
+		{ "ply\nformat binary_big_endian 1.0\nelement vertex 3\n" XYZ "end_header\n", 36, 3 },
+		{ "ply\nformat binary_little_endian 1.0\nelement vertex 3\n" XYZ "end_header\n", 35, 0 },
+		{ "ply\nformat binary_little_endian 1.0\nelement vertex 3\n" XYZ "end_header\n", 48, 0 },
+		{ "ply\nformat ascii 1.0\nelement vertex 1\n" XYZ "end_header\n1 2 3\n", 0, 0 },
+		{ "ply\nformat binary_little_endian 1.0\nelement vertex 3\n" XYZ
+		  "property list uchar int k\nend_header\n",
+		  60, 0 },
+		{ "ply\nformat binary_little_endian 1.0\nelement face 1\nproperty int a\n"
+		  "element vertex 3\n" XYZ "end_header\n",
+		  40, 0 },
+		{ "1 2 3\n4 5 6\n", 0, 0 },
+	};
+	gw_error error;
+	const format_options options = { .threads = 1 };
+	for (size_t i = 0; i < sizeof file / sizeof *file; i++) {
+		format_parts parts;
+		write_text("parts.txt", file[i].head, file[i].bytes);
+		assert_ok(format_parts_open("parts.txt", &options, &parts, &error), &error);
+		assert_int_equal(parts.count, file[i].count);
+		assert_true((parts.found != NULL) == (file[i].count > 0));
+		format_parts_close(&parts);
+	}
+	unlink("parts.txt");
+}
+
+/* What the values of all points tell holds for a part whose values would tell something else. */
+static void told_by_all(void **state)
+{
+	(void)state;
+	gw_error error;
+	scan cloud = { .count = 1000, .up = 'z' };
+	static const char *const name[] = { "x", "y", "z", "red", "green", "blue", "opacity" };
+	for (size_t c = 0; c < 7; c++) {
+		scan_column *column = add(&cloud, name[c], c < 3 ? SCAN_FLOAT32 : SCAN_UINT16);
+		for (size_t i = 0; i < cloud.count; i++)
+			scan_store(column, i, c < 3 ? (double)i : c < 6 ? 65.0 * (double)i : (double)(i / 2));
+	}
+	scan_told told;
+	assert_ok(scan_told_find(&cloud, &told, &error), &error);
+	scan part = rows_of(&cloud, 0, 3);
+	scan_points_options options = SCAN_POINTS_OPTIONS_DEFAULT;
+	options.linear_colors = true;
+	options.told = &told;
+	scan_points points;
+	assert_ok(scan_points_make(&part, &options, &points, &error), &error);
+	/* Colours of 16 bits, as single precision holds them; opacities of the same. */
+	assert_true(fabs((double)points.albedo[6] - 130.0 / 65535.0) <= 0x1p-24);
+	assert_non_null(points.opacity);
+	assert_true(fabs((double)points.opacity[2] - 1.0 / 65535.0) <= 0x1p-24);
+	scan_points_clear(&points);
+	options.told = NULL;
+	assert_ok(scan_points_make(&part, &options, &points, &error), &error);
+	assert_true((double)points.albedo[6] > 0.5);
+	scan_points_clear(&points);
+	scan_clear(&part);
+	scan_clear(&cloud);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(thinned_evenly),     cmocka_unit_test(parts_are_no_matter),
+		cmocka_unit_test(far_and_nowhere),    cmocka_unit_test(sheets_are_kept),
+		cmocka_unit_test(columns_must_agree), cmocka_unit_test(files_in_parts),
+		cmocka_unit_test(files_not_in_parts), cmocka_unit_test(told_by_all),
+	};
+	return cmocka_run_group_tests(tests, enter_folder, leave_folder);
+}
