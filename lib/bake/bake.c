@@ -206,8 +206,11 @@ static gw_status collect_record_fields(bake *b, gw_error *error)
 	return gw_record_fields_collect(&b->light, b->result, error);
 }
 
+/* Unless columns of lamps follow, nothing is traced and gathered any more. */
 static gw_status collect(bake *b, gw_error *error)
 {
+	if (!b->scene.options.lamps)
+		gw_scene_drop_traced(&b->scene);
 	return gw_result_collect(&b->light, b->result, error);
 }
 

@@ -124,29 +124,14 @@ gw_status gw_lighting_direct(gw_lighting *lighting, gw_error *error)
 	return gw_direct_light(&cloud, lighting->lights, lighting->light_count, &to, error);
 }
 
-gw_status gw_lighting_download(const gw_lighting *lighting, const gw_buffer *buffer, float **values,
-							   gw_error *error)
+gw_status gw_lighting_view(const gw_lighting *lighting, const gw_buffer *buffer, gw_view *view,
+						   gw_error *error)
 {
 	const gw_scene *s = lighting->scene;
-	*values = gw_allocate_array(s->surfels.count, 4 * sizeof **values);
-	if (!*values)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the light of %zu surfels",
-					   s->surfels.count);
-	gw_status status =
-		gw_buffer_download(s->gpu, buffer, 0, *values, 16 * (uint64_t)s->surfels.count, error);
-	if (status != GW_OK) {
-		free(*values);
-		*values = NULL;
-	}
-	return status;
-}
-
-gw_status gw_lighting_download_direct(const gw_lighting *lighting, float **direct, gw_error *error)
-{
-	*direct = NULL;
-	if (lighting->surfel_direct.handle == VK_NULL_HANDLE)
+	*view = (gw_view){ 0 };
+	if (buffer->handle == VK_NULL_HANDLE)
 		return GW_OK;
-	return gw_lighting_download(lighting, &lighting->surfel_direct, direct, error);
+	return gw_view_open(s->gpu, buffer, 16 * (uint64_t)s->surfels.count, view, error);
 }
 
 /* What a surfel gets from lamps and from all around, in luminance. */
@@ -162,20 +147,21 @@ static double light_of(const gw_lighting *lighting, const float *direct, size_t 
 gw_status gw_lighting_choose_sides(gw_lighting *lighting, gw_error *error)
 {
 	const gw_surfels *s = &lighting->scene->surfels;
-	float *direct = NULL;
+	gw_view direct;
 	uint32_t *shown;
 	free(lighting->shown);
 	lighting->shown = NULL;
 	GW_TRY(gw_surfel_backs_find(s, &shown, error));
 	if (!shown)
 		return GW_OK;
-	gw_status status = gw_lighting_download_direct(lighting, &direct, error);
+	gw_status status = gw_lighting_view(lighting, &lighting->surfel_direct, &direct, error);
 	for (size_t i = 0; i < s->count && status == GW_OK; i++) {
 		bool turned = shown[i] != UINT32_MAX &&
-					  light_of(lighting, direct, shown[i]) > light_of(lighting, direct, i);
+					  light_of(lighting, direct.bytes, shown[i]) >
+						  light_of(lighting, direct.bytes, i);
 		shown[i] = turned ? shown[i] : (uint32_t)i;
 	}
-	free(direct);
+	gw_view_close(&direct);
 	if (status == GW_OK)
 		lighting->shown = shown;
 	else

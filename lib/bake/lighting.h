@@ -37,7 +37,7 @@ struct gw_lighting {
 	gw_buffer surfel_turned; /* the same with normals that are off, where an estimate needs it */
 	float *surfel_first, *surfel_indirect; /* 4 a surfel, on the CPU */
 	uint32_t *shown; /* NULL, or one a surfel: that whose light is written, its own or its back's */
-	gw_buffer facet_direct, facet_radiance; /* vec4 a facet */
+	gw_buffer facet_direct, facet_radiance; /* vec4 a facet; the latter while light is gathered */
 	gw_gap_sight *gap;                      /* one a record, or NULL: what it sees through gaps */
 	const float *carried; /* NULL, or 4 a surfel, not owned: a guess at surfel_indirect, with which
 							 bounces by rays begin */
@@ -66,13 +66,10 @@ uint32_t gw_lighting_shown(const gw_lighting *lighting, uint32_t surfel);
 gw_status gw_lighting_darken(gw_lighting *lighting, gw_buffer_kind kind, uint64_t count,
 							 const char *name, gw_buffer *buffer, gw_error *error);
 
-/* What is at a buffer, 4 floats a surfel; on success *values is the caller's. */
-gw_status gw_lighting_download(const gw_lighting *lighting, const gw_buffer *buffer, float **values,
-							   gw_error *error);
-
-/* The lamps' light at every surfel; on success *direct is the caller's, 4 floats a surfel, or NULL
- * where no lamp shines. */
-gw_status gw_lighting_download_direct(const gw_lighting *lighting, float **direct, gw_error *error);
+/* What is at a buffer, 4 floats a surfel, such as the lamps' light; no bytes where there is no
+ * buffer, as where no lamp shines. On success to be closed by the caller, while the buffer is. */
+gw_status gw_lighting_view(const gw_lighting *lighting, const gw_buffer *buffer, gw_view *view,
+						   gw_error *error);
 
 /* Forget the map of the sky, when another is to take its place; what was gathered; all light.
  * Before the scene drops the records, or the octree. */

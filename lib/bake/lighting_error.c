@@ -7,8 +7,6 @@
 #include "estimate/error_estimate.h"
 #include "estimate/gap_error.h"
 
-#include <stdlib.h>
-
 /* Rays that light comes along to what an estimate is held against. */
 static uint32_t rays_of(const gw_bake_options *o)
 {
@@ -59,11 +57,11 @@ gw_status gw_lighting_estimate(gw_lighting *lighting, gw_error *error)
 {
 	gw_scene *s = lighting->scene;
 	const gw_bake_options *o = &s->options;
-	float *direct = NULL, *turned = NULL;
+	gw_view direct, turned = { 0 };
 	gw_check_discs discs = { 0 };
-	gw_status status = gw_lighting_download_direct(lighting, &direct, error);
-	if (status == GW_OK && lighting->surfel_turned.handle != VK_NULL_HANDLE)
-		status = gw_lighting_download(lighting, &lighting->surfel_turned, &turned, error);
+	gw_status status = gw_lighting_view(lighting, &lighting->surfel_direct, &direct, error);
+	if (status == GW_OK)
+		status = gw_lighting_view(lighting, &lighting->surfel_turned, &turned, error);
 	if (status == GW_OK) {
 		const gw_estimate_task task = {
 			.passes = &s->passes,
@@ -78,8 +76,8 @@ gw_status gw_lighting_estimate(gw_lighting *lighting, gw_error *error)
 			.map = &lighting->map,
 			.portals = &s->portals,
 			.bounces = lighting->plan.bounces,
-			.direct = direct,
-			.turned = turned,
+			.direct = direct.bytes,
+			.turned = turned.bytes,
 			.first = lighting->surfel_first,
 			.indirect = lighting->surfel_indirect,
 			.rays = rays_of(o),
@@ -103,7 +101,7 @@ gw_status gw_lighting_estimate(gw_lighting *lighting, gw_error *error)
 			status = find_gap_error(lighting, &task, error);
 	}
 	gw_check_discs_clear(&discs);
-	free(turned);
-	free(direct);
+	gw_view_close(&turned);
+	gw_view_close(&direct);
 	return status;
 }

@@ -442,6 +442,7 @@ gw_status gw_lighting_bounce(gw_lighting *lighting, gw_error *error)
 	GW_TRY(status);
 	if (gw_scene_keeps_moments(s))
 		status = gather_moments(lighting, bounces.bounce_count, task.carried != NULL, error);
+	gw_buffer_destroy(s->gpu, &lighting->facet_radiance); /* of the last bounce */
 	if (status != GW_OK) {
 		free(bounces.bounce);
 		return status;

@@ -67,10 +67,10 @@ static gw_status find_radiance(gw_lighting *lighting, gw_buffer *facets, gw_erro
 {
 	gw_scene *scene = lighting->scene;
 	gw_buffer buffer[2] = { { 0 }, { 0 } };
-	float *direct = NULL;
+	gw_view direct;
 	GW_TRY(gw_lighting_choose_sides(lighting, error));
-	GW_TRY(gw_lighting_download_direct(lighting, &direct, error));
-	sending job = { lighting, direct,
+	GW_TRY(gw_lighting_view(lighting, &lighting->surfel_direct, &direct, error));
+	sending job = { lighting, direct.bytes,
 					gw_allocate_zeros(scene->surfels.count, 4 * sizeof *job.radiance) };
 	gw_status status =
 		job.radiance ? GW_OK
@@ -80,7 +80,7 @@ static gw_status find_radiance(gw_lighting *lighting, gw_buffer *facets, gw_erro
 		gw_parallel_for(scene->options.threads, scene->surfels.count, CHUNK, send, &job);
 		status = average(scene, job.radiance, buffer, error);
 	}
-	free(direct);
+	gw_view_close(&direct);
 	free(job.radiance);
 	gw_buffer_destroy(scene->gpu, &buffer[0]);
 	if (status == GW_OK)

@@ -162,12 +162,12 @@ gw_status gw_result_collect(gw_lighting *lighting, gw_bake_result *result, gw_er
 {
 	const gw_scene *scene = lighting->scene;
 	size_t points = scene->surfels.point_count;
-	float *direct = NULL;
+	gw_view direct = { 0 };
 	gw_status status = gw_lighting_choose_sides(lighting, error);
 	if (status == GW_OK)
 		status = allocate_result(points, result, error);
 	if (status == GW_OK)
-		status = gw_lighting_download_direct(lighting, &direct, error);
+		status = gw_lighting_view(lighting, &lighting->surfel_direct, &direct, error);
 	if (status == GW_OK) {
 		const uint32_t *row = scene->read_back.first;
 		uint64_t lost = 0;
@@ -176,14 +176,14 @@ gw_status gw_result_collect(gw_lighting *lighting, gw_bake_result *result, gw_er
 					(!scene->region.asked || scene->region.asked[i]);
 		gw_report_count(scene->report, "without_record", lost,
 						"point{|s} with no record near: no gathered light");
-		scatter job = { lighting, direct, result };
+		scatter job = { lighting, direct.bytes, result };
 		gw_parallel_for(gw_thread_count(scene->options.threads), points, 8192, scatter_points,
 						&job);
 		status = collect_strays(&job, error);
 	}
 	if (status == GW_OK)
 		status = copy_asked(scene, result, error);
-	free(direct);
+	gw_view_close(&direct);
 	return status == GW_OK ? gw_result_share_light(lighting, result, error) : status;
 }
 
@@ -239,15 +239,15 @@ static gw_status write_radiance(const gw_lighting *lighting, bool emission, floa
 								gw_error *error)
 {
 	const gw_scene *scene = lighting->scene;
-	float *direct = NULL;
-	gw_status status = gw_lighting_download_direct(lighting, &direct, error);
+	gw_view direct = { 0 };
+	gw_status status = gw_lighting_view(lighting, &lighting->surfel_direct, &direct, error);
 	if (status == GW_OK) {
-		part_radiance job = { lighting, direct, emission, radiance };
+		part_radiance job = { lighting, direct.bytes, emission, radiance };
 		gw_parallel_for(gw_thread_count(scene->options.threads), scene->surfels.point_count, 8192,
 						scatter_radiance, &job);
 		add_strays(&job);
 	}
-	free(direct);
+	gw_view_close(&direct);
 	return status;
 }
 

@@ -387,6 +387,14 @@ void gw_scene_drop_records(gw_scene *scene)
 	gw_check_point_hits_clear(&scene->check_points);
 }
 
+void gw_scene_drop_traced(gw_scene *scene)
+{
+	gw_cone_gather_destroy(scene->gpu, &scene->cones);
+	gw_micro_buffers_destroy(scene->gpu, &scene->buffers);
+	gw_ray_gather_destroy(scene->gpu, &scene->rays);
+	gw_records_destroy(scene->gpu, &scene->records);
+}
+
 void gw_scene_drop_octree(gw_scene *scene)
 {
 	gw_scene_drop_records(scene);

@@ -198,6 +198,10 @@ void gw_scene_forget_further(gw_scene *scene);
 
 /* Forget the records; the octree and the records; everything. Options and callbacks stay. */
 void gw_scene_drop_records(gw_scene *scene);
+
+/* Forgets records and what was traced from them, but not which ones light surfels: when all light
+ * is known. */
+void gw_scene_drop_traced(gw_scene *scene);
 void gw_scene_drop_octree(gw_scene *scene);
 void gw_scene_close(gw_scene *scene);
 

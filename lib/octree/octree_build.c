@@ -304,6 +304,12 @@ void gw_octree_kept_destroy(gw_gpu *gpu, gw_octree_kept **kept)
 	*kept = NULL;
 }
 
+void gw_octree_drop_neighbours(gw_gpu *gpu, gw_octree *octree)
+{
+	gw_buffer_destroy(gpu, &octree->tile_neighbour);
+	gw_buffer_destroy(gpu, &octree->leaf_tile_neighbour);
+}
+
 void gw_octree_destroy(gw_gpu *gpu, gw_octree *octree)
 {
 	gw_buffer *buffer[] = {

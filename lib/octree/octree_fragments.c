@@ -14,11 +14,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Surfels converted at once. */
-/* Arrays of surfels on the device, as upload_arrays lists them: all, and those that lamps light. */
+/* Arrays of surfels on the device, as upload_arrays lists them: all; those that fragments are made
+ * of, which come first, and colours after them; and of these those that lamps light. */
 #define SURFEL_ARRAYS 7
+#define PLACE_ARRAYS 5
 #define LIT_ARRAYS 2
 
+/* Surfels converted at once. */
 #define UPLOAD_SURFELS 65536u
 
 /* The least RoI; keeps shares of it finite. */
@@ -126,8 +128,9 @@ static gw_status upload_array(gw_octree_work *work, int which, gw_buffer *buffer
 	return GW_OK;
 }
 
-/* The first `count` of the arrays of surfels. */
-static gw_status upload_arrays(gw_octree_work *work, int count, float *chunk, gw_error *error)
+/* The arrays of surfels first..last-1, through a chunk of UPLOAD_SURFELS. */
+static gw_status upload_through(gw_octree_work *work, int first, int last, float *chunk,
+								gw_error *error)
 {
 	gw_octree *octree = work->octree;
 	const struct {
@@ -143,7 +146,7 @@ static gw_status upload_arrays(gw_octree_work *work, int count, float *chunk, gw
 		{ &work->surfel_emission, "surfel emission" },
 	};
 	uint64_t bytes = 16 * (uint64_t)work->surfels->count;
-	for (int i = 0; i < count; i++) {
+	for (int i = first; i < last; i++) {
 		bool there = i < 6 || gw_surfels_emit(work->surfels);
 		if (!there) {
 			GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32G32B32A32_SFLOAT, 16, array[i].name,
@@ -157,6 +160,17 @@ static gw_status upload_arrays(gw_octree_work *work, int count, float *chunk, gw
 	return GW_OK;
 }
 
+static gw_status upload_arrays(gw_octree_work *work, int first, int last, gw_error *error)
+{
+	float *chunk = gw_allocate_array(UPLOAD_SURFELS, 4 * sizeof *chunk);
+	if (chunk == NULL)
+		return gw_fail(error, GW_ERROR_MEMORY, "not enough memory to upload %zu points",
+					   work->surfels->count);
+	gw_status status = upload_through(work, first, last, chunk, error);
+	free(chunk);
+	return status;
+}
+
 /* Surfels to the device, in an octree of a depth. */
 static gw_status upload(gw_octree_work *work, uint32_t depth, int arrays, gw_error *error)
 {
@@ -164,17 +178,17 @@ static gw_status upload(gw_octree_work *work, uint32_t depth, int arrays, gw_err
 	work->octree->depth = depth;
 	choose_cube(s, work->leaf_size, work->octree);
 	work->octree->backs = memchr(s->two_sided, GW_SIDE_BACK, s->count) != NULL;
-	float *chunk = gw_allocate_array(UPLOAD_SURFELS, 4 * sizeof *chunk);
-	if (chunk == NULL)
-		return gw_fail(error, GW_ERROR_MEMORY, "not enough memory to upload %zu points", s->count);
-	gw_status status = upload_arrays(work, arrays, chunk, error);
-	free(chunk);
-	return status;
+	return upload_arrays(work, 0, arrays, error);
 }
 
 gw_status gw_octree_upload(gw_octree_work *work, uint32_t depth, gw_error *error)
 {
-	return upload(work, depth, SURFEL_ARRAYS, error);
+	return upload(work, depth, PLACE_ARRAYS, error);
+}
+
+gw_status gw_octree_upload_colours(gw_octree_work *work, gw_error *error)
+{
+	return upload_arrays(work, PLACE_ARRAYS, SURFEL_ARRAYS, error);
 }
 
 gw_status gw_octree_upload_lit(gw_octree_work *work, uint32_t depth, gw_error *error)
@@ -186,8 +200,8 @@ void gw_octree_forget_upload(gw_octree_work *work)
 {
 	gw_buffer *buffer[] = {
 		&work->octree->surfel_position, &work->octree->surfel_normal, &work->octree->surfel_disc,
-		&work->octree->surfel_clip,     &work->surfel_bend,           &work->surfel_albedo,
-		&work->surfel_emission,         &work->surfel_offset,         &work->surfel_samples
+		&work->octree->surfel_clip,     &work->surfel_bend,           &work->surfel_offset,
+		&work->surfel_samples
 	};
 	for (size_t i = 0; i < sizeof buffer / sizeof *buffer; i++)
 		gw_buffer_destroy(work->gpu, buffer[i]);
@@ -238,24 +252,32 @@ gw_status gw_octree_count_fragments(gw_octree_work *work, uint64_t *total, gw_er
 							 total, error);
 }
 
-static gw_status gather(gw_octree_work *work, gw_error *error)
+/* Brings words of fragments into the sorted order; where they were is given back. */
+static gw_status gather(gw_octree_work *work, gw_buffer *unsorted, VkFormat format,
+						const char *name, gw_buffer *sorted, gw_error *error)
+{
+	uint64_t fragments = work->octree->fragment_count;
+	GW_TRY(gw_octree_buffer_unset(work, format, 4 * fragments, name, sorted, error));
+	gw_binding bindings[] = { GW_WINDOW(&work->keys.payload, 4), GW_WHOLE(unsorted),
+							  GW_WINDOW(sorted, 4) };
+	GW_TRY(gw_passes_run(&work->passes, GW_PASS_OCTREE_GATHER, bindings, &(gw_keys_push){ 0 },
+						 fragments, error));
+	gw_buffer_destroy(work->gpu, unsorted);
+	return GW_OK;
+}
+
+/* One after the other, as all of them twice would be the most memory that a build takes. */
+static gw_status gather_all(gw_octree_work *work, gw_error *error)
 {
 	gw_octree *octree = work->octree;
-	uint64_t bytes = 4 * (uint64_t)octree->fragment_count;
-	GW_TRY(gw_octree_buffer_unset(work, VK_FORMAT_R32_UINT, bytes, "surfels of fragments",
-								  &octree->fragment_surfel, error));
-	GW_TRY(gw_octree_buffer_unset(work, VK_FORMAT_R32_SFLOAT, bytes, "weights of fragments",
-								  &octree->fragment_weight, error));
-	GW_TRY(gw_octree_buffer_unset(work, VK_FORMAT_R32_UINT, bytes, "centroids of fragments",
-								  &work->fragment_centroid, error));
-	gw_binding bindings[] = {
-		GW_WINDOW(&work->keys.payload, 4),      GW_WHOLE(&work->unsorted_surfel),
-		GW_WHOLE(&work->unsorted_weight),       GW_WHOLE(&work->unsorted_centroid),
-		GW_WINDOW(&octree->fragment_surfel, 4), GW_WINDOW(&octree->fragment_weight, 4),
-		GW_WINDOW(&work->fragment_centroid, 4),
-	};
-	return gw_passes_run(&work->passes, GW_PASS_OCTREE_GATHER, bindings, &(gw_keys_push){ 0 },
-						 octree->fragment_count, error);
+	GW_TRY(gather(work, &work->unsorted_surfel, VK_FORMAT_R32_UINT, "surfels of fragments",
+				  &octree->fragment_surfel, error));
+	GW_TRY(gather(work, &work->unsorted_weight, VK_FORMAT_R32_SFLOAT, "weights of fragments",
+				  &octree->fragment_weight, error));
+	GW_TRY(gather(work, &work->unsorted_centroid, VK_FORMAT_R32_UINT, "centroids of fragments",
+				  &work->fragment_centroid, error));
+	gw_buffer_destroy(work->gpu, &work->keys.payload);
+	return GW_OK;
 }
 
 gw_status gw_octree_write_fragments(gw_octree_work *work, gw_error *error)
@@ -266,8 +288,8 @@ gw_status gw_octree_write_fragments(gw_octree_work *work, gw_error *error)
 							   &work->keys, error));
 	GW_TRY(gw_octree_buffer_unset(work, VK_FORMAT_R32_UINT, bytes, "surfels of fragments, unsorted",
 								  &work->unsorted_surfel, error));
-	GW_TRY(gw_octree_buffer_unset(work, VK_FORMAT_R32_SFLOAT, bytes,
-								  "weights of fragments, unsorted", &work->unsorted_weight, error));
+	GW_TRY(gw_octree_buffer_unset(work, VK_FORMAT_R32_UINT, bytes, "weights of fragments, unsorted",
+								  &work->unsorted_weight, error));
 	GW_TRY(gw_octree_buffer_unset(work, VK_FORMAT_R32_UINT, bytes,
 								  "centroids of fragments, unsorted", &work->unsorted_centroid,
 								  error));
@@ -276,10 +298,5 @@ gw_status gw_octree_write_fragments(gw_octree_work *work, gw_error *error)
 	gw_buffer_destroy(work->gpu, &work->surfel_samples);
 	GW_TRY(gw_radix_sort_run(&work->passes, &work->sort, &work->keys, 3 * octree->depth, error));
 	gw_sort_list_trim(work->gpu, &work->keys);
-	GW_TRY(gather(work, error));
-	gw_buffer_destroy(work->gpu, &work->keys.payload);
-	gw_buffer_destroy(work->gpu, &work->unsorted_surfel);
-	gw_buffer_destroy(work->gpu, &work->unsorted_weight);
-	gw_buffer_destroy(work->gpu, &work->unsorted_centroid);
-	return GW_OK;
+	return gather_all(work, error);
 }

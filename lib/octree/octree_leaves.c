@@ -220,6 +220,7 @@ gw_status gw_octree_reduce_leaves(gw_octree_work *work, gw_error *error)
 	gw_octree *octree = work->octree;
 	uint32_t longest = 0;
 	GW_TRY(find_longest(work, &longest, error));
+	GW_TRY(gw_octree_upload_colours(work, error));
 	GW_TRY(create_leaves(work, error));
 	gw_leaves_push push = {
 		.leaves = octree->leaf_count,

@@ -97,9 +97,12 @@ gw_status gw_octree_buffers(gw_octree_work *work, const gw_octree_part *parts, s
 
 /*
  * Picks the cube and uploads the surfels: fills depth to directory_level, surfel_position,
- * surfel_normal, surfel_disc and surfel_clip of the octree, and the surfel_ buffers of the work.
+ * surfel_normal, surfel_disc and surfel_clip of the octree, and surfel_bend of the work.
  */
 gw_status gw_octree_upload(gw_octree_work *work, uint32_t depth, gw_error *error);
+/* surfel_albedo and surfel_emission, which only facets need: they come when fragments are sorted,
+ * which takes the most memory. */
+gw_status gw_octree_upload_colours(gw_octree_work *work, gw_error *error);
 /* Only places and normals of the surfels, which is all that lamps shine on. */
 gw_status gw_octree_upload_lit(gw_octree_work *work, uint32_t depth, gw_error *error);
 

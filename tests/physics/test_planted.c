@@ -104,7 +104,7 @@ static double sent_out(const gw_lighting *light, const float *direct, size_t i)
 static void light_points(gw_scene *s, const gw_light *lamp, lit *result)
 {
 	gw_error error;
-	float *direct = NULL;
+	gw_view direct = { 0 };
 	gw_lighting light = { .scene = s, .lights = lamp, .light_count = lamp ? 1 : 0 };
 	gw_lighting_plan(&light);
 	if (light.plan.records)
@@ -112,13 +112,13 @@ static void light_points(gw_scene *s, const gw_light *lamp, lit *result)
 	assert_ok(gw_lighting_run(&light, &error), &error);
 	assert_ok(gw_lighting_estimate(&light, &error), &error);
 	if (light.plan.lamps)
-		assert_ok(gw_lighting_download_direct(&light, &direct, &error), &error);
+		assert_ok(gw_lighting_view(&light, &light.surfel_direct, &direct, &error), &error);
 	result->count = s->surfels.count;
 	result->radiance = malloc(result->count * sizeof *result->radiance);
 	assert_non_null(result->radiance);
 	for (size_t i = 0; i < result->count; i++)
-		result->radiance[i] = sent_out(&light, direct, i);
-	free(direct);
+		result->radiance[i] = sent_out(&light, direct.bytes, i);
+	gw_view_close(&direct);
 	gw_lighting_clear(&light);
 }
 
