@@ -29,8 +29,7 @@ typedef struct density_work {
 	double *light;        /* records: luminance of irradiance */
 	double *mass;         /* records */
 	float *most, *factor; /* records */
-	gw_view facet_record; /* uint32_t, GW_WEIGHTS * 2 * leaf_count */
-	gw_view facet_weight; /* float, likewise */
+	gw_view facet_row, facet_record, facet_weight; /* of gw_records */
 	size_t records, slots;
 	float least; /* spacing, leaf cells */
 } density_work;
@@ -112,9 +111,10 @@ static bool come_closer(float *spacing, double factor, float least)
 /* Factors between records are interpolated as light is. */
 static void refine_facets(const density_work *w, gw_record_density *density)
 {
-	const uint32_t *record = w->facet_record.bytes;
-	const float *weight = w->facet_weight.bytes;
-	for (size_t slot = 0; slot < w->slots; slot++, record += GW_WEIGHTS, weight += GW_WEIGHTS) {
+	const uint32_t *row = w->facet_row.bytes;
+	for (size_t slot = 0; slot < w->slots; slot++) {
+		const uint32_t *record = (const uint32_t *)w->facet_record.bytes + GW_WEIGHTS * row[slot];
+		const float *weight = (const float *)w->facet_weight.bytes + GW_WEIGHTS * row[slot];
 		double factor = 0.0;
 		for (size_t k = 0; k < GW_WEIGHTS && record[k] != GW_NONE; k++)
 			factor += (double)weight[k] * (double)w->factor[record[k]];
@@ -137,7 +137,7 @@ static gw_status begin(const gw_scene *s, gw_record_density *density, density_wo
 					   gw_error *error)
 {
 	*w = (density_work){ .records = s->records.count, .slots = 2 * (size_t)s->octree.leaf_count };
-	uint64_t bytes = 4 * GW_WEIGHTS * (uint64_t)w->slots;
+	uint64_t bytes = 4 * GW_WEIGHTS * (uint64_t)s->records.row_count;
 	w->light = gw_allocate_zeros(w->records, sizeof *w->light);
 	w->mass = gw_allocate_zeros(w->records, sizeof *w->mass);
 	w->most = gw_allocate_array(w->records, sizeof *w->most);
@@ -157,6 +157,7 @@ static gw_status begin(const gw_scene *s, gw_record_density *density, density_wo
 		density->facet_spacing[i] = s->region.facet_spacing ? s->region.facet_spacing[i] : spacing;
 	for (size_t i = 0; i < s->surfels.count && first; i++)
 		density->surfel_spacing[i] = spacing;
+	GW_TRY(gw_view_open(s->gpu, &s->records.facet_row, 4 * (uint64_t)w->slots, &w->facet_row, error));
 	GW_TRY(gw_view_open(s->gpu, &s->records.facet_record, bytes, &w->facet_record, error));
 	return gw_view_open(s->gpu, &s->records.facet_weight, bytes, &w->facet_weight, error);
 }
@@ -190,6 +191,7 @@ gw_status gw_record_density_refine(const gw_lighting *lighting, const gw_density
 	free(w.mass);
 	free(w.most);
 	free(w.factor);
+	gw_view_close(&w.facet_row);
 	gw_view_close(&w.facet_record);
 	gw_view_close(&w.facet_weight);
 	return status;

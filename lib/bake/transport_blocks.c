@@ -62,6 +62,7 @@ gw_transport_numbers gw_transport_numbers_of(const gw_scene *scene)
 	n.border_tiles = o->border_tile_count;
 	n.fragments = o->fragment_count;
 	n.records = r->count;
+	n.facet_rows = r->row_count;
 	n.block_level = r->block_level;
 	n.block_count = r->block_count;
 	n.block_tile_first = r->block_tile_first;
@@ -114,6 +115,7 @@ bool gw_transport_numbers_fit(const gw_transport_numbers *n)
 		   n->check_points_lit <= (n->emits == 1 && n->check_points > 0) &&
 		   isfinite(n->leaf_size) && n->leaf_size > 0.0f && n->block_level < n->depth &&
 		   n->leaves > 0 && n->leaves <= INT32_MAX / 2 && n->dark_slot <= 2 * n->leaves &&
+		   n->facet_rows > 0 && n->facet_rows <= 2 * n->leaves + 1 &&
 		   isfinite(n->wanted_leaf_size) &&
 		   memchr(n->why_coarser, 0, sizeof n->why_coarser) != NULL &&
 		   (uint64_t)n->tiles * 8 < UINT32_MAX && (uint64_t)n->leaf_tiles * 8 < UINT32_MAX;
@@ -146,7 +148,8 @@ void gw_transport_numbers_restore(const gw_transport_numbers *n, gw_scene *scene
 								   .radius = n->record_radius,
 								   .block_level = n->block_level,
 								   .block_count = n->block_count,
-								   .block_tile_first = n->block_tile_first };
+								   .block_tile_first = n->block_tile_first,
+								   .row_count = n->facet_rows };
 	scene->rays = (gw_ray_gather){ .rays = n->rays, .seed = n->ray_seed };
 	scene->portals =
 		(gw_portals){ .looked = n->looked, .count = n->portals, .escaped = n->escaped };
@@ -287,13 +290,15 @@ static void list_records(list *l, gw_scene *scene, const gw_transport_numbers *n
 {
 	gw_records *r = &scene->records;
 	uint64_t slots = 2 * (uint64_t)n->leaves, hits = (uint64_t)n->rays * n->records;
+	uint64_t facets = n->facet_rows;
 	device(l, "record position", &r->position, 16 * (uint64_t)n->records);
 	device(l, "record normal", &r->normal, 16 * (uint64_t)n->records);
 	index_below(host(l, "facets of records", &r->facet, 4 * (uint64_t)n->records), 0, slots,
 				~GW_RECORD_BACK, 1);
-	index_below(device(l, "facet record", &r->facet_record, 4 * GW_WEIGHTS * slots),
+	words(l, "facet row", &r->facet_row, 4 * slots, n->facet_rows);
+	index_below(device(l, "facet record", &r->facet_record, 4 * GW_WEIGHTS * facets),
 				VK_FORMAT_R32G32B32A32_UINT, n->records, UINT32_MAX, 1);
-	device(l, "facet weight", &r->facet_weight, 4 * GW_WEIGHTS * slots);
+	device(l, "facet weight", &r->facet_weight, 4 * GW_WEIGHTS * facets);
 	words(l, "hit facet", &scene->rays.facet, 4 * hits, slots);
 	scalars(l, "hit distance", &scene->rays.distance, 4 * hits);
 	if (n->portals)

@@ -41,7 +41,8 @@ gw_status gw_facets_shade(const gw_record_context *on, const gw_buffer *records_
 									gw_whole(&on->records->facet_record),
 									gw_whole(&on->records->facet_weight),
 									gw_whole(records_irradiance),
-									gw_window(facet_radiance, 16) };
+									gw_window(facet_radiance, 16),
+									gw_window(&on->records->facet_row, 4) };
 	return gw_passes_run(on->passes, GW_PASS_FACET_SHADE, bindings,
 						 &(gw_record_push){ .direct_share = lamps ? direct_share : 0.0f },
 						 2 * (uint64_t)on->octree->leaf_count, error);

@@ -57,7 +57,8 @@ void gw_hit_facets_shade(gw_passes *passes, const gw_octree *octree, const gw_re
 	const gw_binding bindings[] = {
 		gw_whole(&octree->facet_albedo),  gw_whole(facet_radiance), /* no direct light */
 		gw_whole(&records->facet_record), gw_whole(&records->facet_weight),
-		gw_whole(&records->gathered),     gw_whole(facet_radiance)
+		gw_whole(&records->gathered),     gw_whole(facet_radiance),
+		gw_whole(&records->facet_row)
 	};
 	const gw_kernel_run run = { .kernel = gw_kernel_facet_shade,
 								.bindings = bindings,

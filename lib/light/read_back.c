@@ -183,13 +183,13 @@ gw_status gw_read_back_make_some(const gw_record_context *on, const gw_buffer *r
 
 /* Rows of facets on the host. */
 typedef struct facet_rows {
-	const uint32_t *slot, *record;
+	const uint32_t *slot, *row, *record;
 	const float *weight;
 } facet_rows;
 
 static size_t facet_row_length(const facet_rows *f, uint32_t slot)
 {
-	const uint32_t *record = f->record + GW_WEIGHTS * (size_t)slot;
+	const uint32_t *record = f->record + GW_WEIGHTS * (size_t)f->row[slot];
 	size_t n = 0;
 	while (n < GW_WEIGHTS && record[n] != GW_NONE)
 		n++;
@@ -231,7 +231,7 @@ static gw_status take_rows(const facet_rows *f, gw_read_back *b, gw_error *error
 	for (size_t i = 0; i < b->count; i++) {
 		size_t from = b->first[i], length = all.first[i + 1] - all.first[i];
 		bool own = row_length(b, i) > 0 || length == 0;
-		size_t row = own ? 0 : GW_WEIGHTS * (size_t)f->slot[i];
+		size_t row = own ? 0 : GW_WEIGHTS * (size_t)f->row[f->slot[i]];
 		put_row(&all, i, own ? b->record + from : f->record + row,
 				own ? b->weight + from : f->weight + row, length);
 	}
@@ -243,16 +243,22 @@ static gw_status take_rows(const facet_rows *f, gw_read_back *b, gw_error *error
 gw_status gw_read_back_take_facets(const gw_record_context *on, const uint32_t *slot,
 								   gw_read_back *read_back, gw_error *error)
 {
-	uint64_t bytes = 8 * GW_WEIGHTS * (uint64_t)on->octree->leaf_count;
-	gw_view record = { 0 }, weight = { 0 };
+	gw_gpu *gpu = on->passes->gpu;
+	const gw_records *r = on->records;
+	uint64_t bytes = 4 * GW_WEIGHTS * (uint64_t)r->row_count;
+	gw_view row = { 0 }, record = { 0 }, weight = { 0 };
 	gw_status status =
-		gw_view_open(on->passes->gpu, &on->records->facet_record, bytes, &record, error);
+		gw_view_open(gpu, &r->facet_row, 8 * (uint64_t)on->octree->leaf_count, &row, error);
 	if (status == GW_OK)
-		status = gw_view_open(on->passes->gpu, &on->records->facet_weight, bytes, &weight, error);
+		status = gw_view_open(gpu, &r->facet_record, bytes, &record, error);
 	if (status == GW_OK)
-		status = take_rows(&(facet_rows){ slot, record.bytes, weight.bytes }, read_back, error);
+		status = gw_view_open(gpu, &r->facet_weight, bytes, &weight, error);
+	if (status == GW_OK)
+		status = take_rows(&(facet_rows){ slot, row.bytes, record.bytes, weight.bytes }, read_back,
+						   error);
 	gw_view_close(&weight);
 	gw_view_close(&record);
+	gw_view_close(&row);
 	return status;
 }
 

@@ -14,7 +14,7 @@
 #define POWER_PARTS 8u /* sums of power that are made apart, so that threads do not matter */
 
 typedef struct powers_job {
-	gw_view albedo, centre, record, weight; /* of the facets */
+	gw_view albedo, centre, row, record, weight; /* of the facets */
 	size_t slots, records;
 	double *power; /* 3 a record and part */
 	size_t part;   /* slots of a part */
@@ -27,8 +27,9 @@ static void add_powers(void *user, size_t first, size_t last, uint32_t worker)
 	double *power = job->power + 3 * job->records * (first / job->part);
 	(void)worker;
 	for (size_t i = first; i < last; i++) {
-		const uint32_t *record = (const uint32_t *)job->record.bytes + GW_WEIGHTS * i;
-		const float *weight = (const float *)job->weight.bytes + GW_WEIGHTS * i;
+		const size_t row = GW_WEIGHTS * (size_t)((const uint32_t *)job->row.bytes)[i];
+		const uint32_t *record = (const uint32_t *)job->record.bytes + row;
+		const float *weight = (const float *)job->weight.bytes + row;
 		const double area = (double)centre[4 * i + 3] * (double)gw_facet_opacity(albedo[4 * i + 3]);
 		const double share[3] = { GW_LUMINANCE_RED * area * (double)albedo[4 * i],
 								  GW_LUMINANCE_GREEN * area * (double)albedo[4 * i + 1],
@@ -42,9 +43,10 @@ static void add_powers(void *user, size_t first, size_t last, uint32_t worker)
 static gw_status open_views(const gw_record_context *on, powers_job *job, gw_error *error)
 {
 	gw_gpu *gpu = on->passes->gpu;
-	uint64_t words = 4 * (uint64_t)GW_WEIGHTS * job->slots;
+	uint64_t words = 4 * (uint64_t)GW_WEIGHTS * on->records->row_count;
 	GW_TRY(gw_view_open(gpu, &on->octree->facet_albedo, 16 * job->slots, &job->albedo, error));
 	GW_TRY(gw_view_open(gpu, &on->octree->facet_centre, 16 * job->slots, &job->centre, error));
+	GW_TRY(gw_view_open(gpu, &on->records->facet_row, 4 * job->slots, &job->row, error));
 	GW_TRY(gw_view_open(gpu, &on->records->facet_record, words, &job->record, error));
 	return gw_view_open(gpu, &on->records->facet_weight, words, &job->weight, error);
 }
@@ -53,6 +55,7 @@ static void close_views(powers_job *job)
 {
 	gw_view_close(&job->albedo);
 	gw_view_close(&job->centre);
+	gw_view_close(&job->row);
 	gw_view_close(&job->record);
 	gw_view_close(&job->weight);
 }

@@ -81,11 +81,40 @@ void gw_records_drop_moments(gw_gpu *gpu, gw_records *records)
 	gw_buffer_destroy(gpu, &records->indirect_moment);
 }
 
+/* Gives each facet that has area a row, in the order of slots. */
+static void number_rows(const float *centre, size_t slots, uint32_t *row, uint32_t *count)
+{
+	*count = 1;
+	for (size_t slot = 0; slot < slots; slot++)
+		row[slot] = centre[4 * slot + 3] > 0.0f ? (*count)++ : 0;
+}
+
+/* Fills facet_row and row_count. */
+static gw_status make_rows(gw_gpu *gpu, const gw_octree *octree, gw_records *records,
+						   gw_error *error)
+{
+	size_t slots = 2 * (size_t)octree->leaf_count;
+	gw_view centre;
+	gw_edit row;
+	GW_TRY(texel(gpu, VK_FORMAT_R32_UINT, 4 * (uint64_t)slots, "facet row", &records->facet_row,
+				 error));
+	GW_TRY(gw_view_open(gpu, &octree->facet_centre, 16 * (uint64_t)slots, &centre, error));
+	gw_status status = gw_edit_open(gpu, &records->facet_row, &row, error);
+	if (status == GW_OK) {
+		number_rows(centre.bytes, slots, row.bytes, &records->row_count);
+		status = gw_edit_close(gpu, &row, true, error);
+	}
+	gw_view_close(&centre);
+	return status;
+}
+
 static gw_status create_buffers(gw_gpu *gpu, const gw_octree *octree, gw_records *records,
 								gw_error *error)
 {
 	const VkFormat f4 = VK_FORMAT_R32G32B32A32_SFLOAT, u1 = VK_FORMAT_R32_UINT;
-	uint64_t n = records->count, slots = 2 * (uint64_t)octree->leaf_count;
+	if (records->facet_row.handle == VK_NULL_HANDLE)
+		GW_TRY(make_rows(gpu, octree, records, error));
+	uint64_t n = records->count, facets = records->row_count;
 	const struct {
 		gw_buffer *buffer;
 		VkFormat format;
@@ -96,9 +125,9 @@ static gw_status create_buffers(gw_gpu *gpu, const gw_octree *octree, gw_records
 		{ &records->normal, f4, 16 * n, "record normal" },
 		{ &records->block_first, u1, 4 * ((uint64_t)records->block_count + 1), "block first" },
 		{ &records->block_record, u1, 4 * n, "block record" },
-		{ &records->facet_record, VK_FORMAT_R32G32B32A32_UINT, 4 * GW_WEIGHTS * slots,
+		{ &records->facet_record, VK_FORMAT_R32G32B32A32_UINT, 4 * GW_WEIGHTS * facets,
 		  "facet record" },
-		{ &records->facet_weight, f4, 4 * GW_WEIGHTS * slots, "facet weight" },
+		{ &records->facet_weight, f4, 4 * GW_WEIGHTS * facets, "facet weight" },
 	};
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
 		if (rows[i].buffer->handle == VK_NULL_HANDLE)
@@ -334,9 +363,12 @@ gw_status gw_records_add(const gw_record_context *on, uint64_t seed, const float
 						   .kept = on->records->facet,
 						   .kept_count = on->records->count,
 						   .seed = seed };
-	gw_records more = { .facet_record = on->records->facet_record,
+	gw_records more = { .row_count = on->records->row_count,
+						.facet_row = on->records->facet_row,
+						.facet_record = on->records->facet_record,
 						.facet_weight = on->records->facet_weight };
-	on->records->facet_record = on->records->facet_weight = (gw_buffer){ 0 };
+	on->records->facet_row = on->records->facet_record = on->records->facet_weight =
+		(gw_buffer){ 0 };
 	gw_status status =
 		place(&(gw_record_context){ on->passes, on->octree, &more }, &task, 0, error);
 	gw_records_destroy(on->passes->gpu, on->records);
@@ -374,7 +406,8 @@ void gw_records_destroy(gw_gpu *gpu, gw_records *records)
 {
 	gw_buffer *all[] = { &records->position,     &records->normal,       &records->block_first,
 						 &records->block_record, &records->first,        &records->indirect,
-						 &records->gathered,     &records->facet_record, &records->facet_weight };
+						 &records->gathered,     &records->facet_record, &records->facet_weight,
+						 &records->facet_row };
 	gw_records_drop_moments(gpu, records);
 	for (size_t i = 0; i < sizeof all / sizeof *all; i++)
 		gw_buffer_destroy(gpu, all[i]);
@@ -417,17 +450,50 @@ static gw_lookup_push lookup(const gw_records *records, const gw_buffer *reach)
 		gw_whole(&(on)->records->position), gw_whole(&(on)->records->normal),                      \
 		gw_whole(&(on)->records->block_first), gw_whole(&(on)->records->block_record)
 
-gw_status gw_records_weigh_facets(const gw_record_context *on, const gw_buffer *reach,
-								  gw_error *error)
+/* The slot of each row; GW_NONE of the empty one. */
+static gw_status list_slots(const gw_record_context *on, gw_buffer *slot, gw_error *error)
+{
+	gw_gpu *gpu = on->passes->gpu;
+	size_t slots = 2 * (size_t)on->octree->leaf_count;
+	gw_view row;
+	gw_edit edit;
+	GW_TRY(texel(gpu, VK_FORMAT_R32_UINT, 4 * (uint64_t)on->records->row_count, "slots of rows",
+				 slot, error));
+	GW_TRY(gw_view_open(gpu, &on->records->facet_row, 4 * (uint64_t)slots, &row, error));
+	gw_status status = gw_edit_open(gpu, slot, &edit, error);
+	if (status == GW_OK) {
+		for (size_t i = 0; i < slots; i++)
+			((uint32_t *)edit.bytes)[((const uint32_t *)row.bytes)[i]] = (uint32_t)i;
+		((uint32_t *)edit.bytes)[0] = GW_NONE;
+		status = gw_edit_close(gpu, &edit, true, error);
+	}
+	gw_view_close(&row);
+	return status;
+}
+
+static gw_status weigh_rows(const gw_record_context *on, const gw_buffer *reach,
+							const gw_buffer *slot, gw_error *error)
 {
 	gw_lookup_push push = lookup(on->records, reach);
 	const gw_binding bindings[] = { LOOKUP_BINDINGS(on),
 									gw_window(&on->records->facet_record, 4 * GW_WEIGHTS),
 									gw_window(&on->records->facet_weight, 4 * GW_WEIGHTS),
 									gw_whole(reach ? reach : &on->records->position),
-									GW_TREE_BINDING(on->octree) };
+									GW_TREE_BINDING(on->octree),
+									gw_window(slot, 4) };
 	return gw_passes_run(on->passes, GW_PASS_FACET_WEIGHTS, bindings, &push,
-						 2 * (uint64_t)on->octree->leaf_count, error);
+						 on->records->row_count, error);
+}
+
+gw_status gw_records_weigh_facets(const gw_record_context *on, const gw_buffer *reach,
+								  gw_error *error)
+{
+	gw_buffer slot = { 0 };
+	gw_status status = list_slots(on, &slot, error);
+	if (status == GW_OK)
+		status = weigh_rows(on, reach, &slot, error);
+	gw_buffer_destroy(on->passes->gpu, &slot);
+	return status;
 }
 
 gw_status gw_records_weigh_surfels(const gw_record_context *on, const gw_buffer *reach,

@@ -19,6 +19,7 @@ typedef struct parting {
 	uint32_t *label;              /* of each record */
 	const float *place, *facing;  /* of each record, 4 */
 	const float *centre, *plane;  /* of each facet, 4 */
+	const uint32_t *row;          /* likewise, 1 */
 	const float *surfel, *normal; /* of each surfel, 4 */
 } parting;
 
@@ -140,7 +141,7 @@ static size_t find_apart(const parting *p, const uint32_t *record)
 {
 	size_t slot = 0, slots = 2 * (size_t)p->octree->leaf_count;
 	for (; slot < slots; slot++) {
-		const uint32_t *row = record + GW_WEIGHTS * slot;
+		const uint32_t *row = record + GW_WEIGHTS * (size_t)p->row[slot];
 		const row_owner of = owner_of_facet(p, slot);
 		if (is_row_apart(p, &of, row, facet_row_length(row)))
 			break;
@@ -152,8 +153,8 @@ static size_t find_apart(const parting *p, const uint32_t *record)
 static void part_rows_of_facets(const parting *p, size_t first, uint32_t *record, float *weight)
 {
 	for (size_t slot = first; slot < 2 * (size_t)p->octree->leaf_count; slot++) {
-		uint32_t *row = record + GW_WEIGHTS * slot;
-		float *row_weight = weight + GW_WEIGHTS * slot;
+		uint32_t *row = record + GW_WEIGHTS * (size_t)p->row[slot];
+		float *row_weight = weight + GW_WEIGHTS * (size_t)p->row[slot];
 		const row_owner of = owner_of_facet(p, slot);
 		uint32_t length = facet_row_length(row);
 		uint32_t kept = part_row(p, &of, row, row_weight, length);
@@ -191,7 +192,7 @@ static gw_status part_facets(const gw_record_context *on, const parting *p, gw_e
 /* ---------------------------------------------------------------------------------------- both */
 
 typedef struct views {
-	gw_view place, facing, centre, plane, surfel, normal;
+	gw_view place, facing, centre, plane, row, surfel, normal;
 } views;
 
 static gw_status open_views(const gw_record_context *on, size_t surfels, views *v, gw_error *error)
@@ -207,6 +208,7 @@ static gw_status open_views(const gw_record_context *on, size_t surfels, views *
 				 { &r->normal, records, &v->facing },
 				 { &o->facet_centre, facets, &v->centre },
 				 { &o->facet_plane, facets, &v->plane },
+				 { &r->facet_row, facets / 4, &v->row },
 				 { &o->surfel_position, 16 * (uint64_t)surfels, &v->surfel },
 				 { &o->surfel_normal, 16 * (uint64_t)surfels, &v->normal } };
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
@@ -216,7 +218,8 @@ static gw_status open_views(const gw_record_context *on, size_t surfels, views *
 
 static void close_views(views *v)
 {
-	gw_view *const all[] = { &v->place, &v->facing, &v->centre, &v->plane, &v->surfel, &v->normal };
+	gw_view *const all[] = { &v->place, &v->facing, &v->centre, &v->plane,
+							 &v->row,   &v->surfel, &v->normal };
 	for (size_t i = 0; i < sizeof all / sizeof *all; i++)
 		gw_view_close(all[i]);
 }
@@ -237,6 +240,7 @@ gw_status gw_rows_part(const gw_record_context *on, gw_read_back *read_back, gw_
 		p.facing = v.facing.bytes;
 		p.centre = v.centre.bytes;
 		p.plane = v.plane.bytes;
+		p.row = v.row.bytes;
 		p.surfel = v.surfel.bytes;
 		p.normal = v.normal.bytes;
 		status = part_facets(on, &p, error);

@@ -9,10 +9,11 @@
 
 BUFFER(0, readonly, vec4, facet_albedo);
 BUFFER(1, readonly, vec4, facet_direct);
-TEXELS(2, uvec4, facet_record); /* four a texel, GW_WEIGHTS a facet */
+TEXELS(2, uvec4, facet_record); /* four a texel, GW_WEIGHTS a row */
 TEXELS(3, vec4, facet_weight);
 TEXELS(4, vec4, record_irradiance);
 BUFFER(5, writeonly, vec4, facet_radiance);
+BUFFER(6, readonly, uint, facet_row);
 PUSH(gw_record_push);
 
 void main()
@@ -23,7 +24,7 @@ void main()
 	vec3a e = vec3a(0.0f);
 	if (push.direct_share != 0.0f)
 		e = push.direct_share * vec3a(facet_direct[i]);
-	int row = int(push.first + i) * int(GW_WEIGHTS / 4u);
+	int row = int(facet_row[i]) * int(GW_WEIGHTS / 4u);
 	for (int t = row; t < row + int(GW_WEIGHTS / 4u); t++) {
 		uvec4 record = texelFetch(facet_record, t);
 		if (record.x == GW_NONE)

@@ -72,8 +72,8 @@ static const struct {
 	[GW_PASS_RECORD_GATHER] = { "=+", 64 }, /* rays of a record */
 	[GW_PASS_RECORD_MOMENTS] = { "==l", 0 },
 	[GW_PASS_RECORD_ADD] = { "==", 0 },
-	[GW_PASS_FACET_WEIGHTS] = { "rw", GW_WEIGHTS },
-	[GW_PASS_FACET_SHADE] = { "==+", GW_WEIGHTS + 1 },
+	[GW_PASS_FACET_WEIGHTS] = { "rw=", GW_WEIGHTS },
+	[GW_PASS_FACET_SHADE] = { "==+=", GW_WEIGHTS + 1 },
 	[GW_PASS_READ_BACK] = { "rw", GW_SURFEL_WEIGHTS },
 	[GW_PASS_VOLUME_RAYS] = { "h", 0 },
 	[GW_PASS_VOLUME_FILL] = { "=l", 0 },
