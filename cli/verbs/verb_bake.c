@@ -1,6 +1,7 @@
 #include "verbs/verbs.h"
 #include "result/bake_report.h"
 #include "scene/file_roles.h"
+#include "points/scan_aside.h"
 #include "scene/stream_roles.h"
 #include "result/frame_bake.h"
 #include "scene/glossy_points.h"
@@ -313,6 +314,17 @@ static gw_status write_transport(void *user, const void *bytes, size_t length, g
 	return output_file_write(((bake *)user)->transport, bytes, length, error);
 }
 
+static gw_status bake_points(bake *b, const gw_bake_options *options,
+							 const gw_bake_callbacks *callbacks)
+{
+	loaded_scene *s = &b->scene;
+	scan_put_aside(&s->cloud, &s->points);
+	gw_status status =
+		gw_bake(&(gw_scene_description){ &s->points.points, b->light, b->settings->light_count },
+				options, callbacks, &b->result, b->error);
+	return status == GW_OK ? scan_take_back(&s->cloud, &s->points, b->error) : status;
+}
+
 static gw_status light_points(bake *b)
 {
 	double start = now();
@@ -336,9 +348,7 @@ static gw_status light_points(bake *b)
 	gw_status status =
 		b->settings->frame_count > 0
 			? frame_bake_first(b->settings, &b->scene, &options, &callbacks, &b->result, b->error)
-			: gw_bake(&(gw_scene_description){ &b->scene.points.points, b->light,
-											   b->settings->light_count },
-					  &options, &callbacks, &b->result, b->error);
+			: bake_points(b, &options, &callbacks);
 	progress_clear(&b->progress);
 	b->facts.bake_seconds = now() - start;
 	b->facts.result = b->result;

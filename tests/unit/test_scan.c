@@ -1,5 +1,6 @@
 /* Scans: columns, joining, and the way to points. */
 #include "points/scan_origin.h"
+#include "points/scan_aside.h"
 #include "points/scan_color.h"
 #include "points/scan_join.h"
 
@@ -626,6 +627,37 @@ static void everything_else_is_handed_on(void **state)
 					 GW_ERROR_DATA);
 }
 
+/* A column of which one value is not that of the points, or of whole numbers, stays. */
+static void columns_come_back_as_they_were(void **state)
+{
+	(void)state;
+	static const char *const normal[3] = { "nx", "ny", "nz" };
+	const double values[4] = { 1, -0.0, NAN, 1e-42 }; /* as a float that is subnormal */
+	scan cloud = { .count = 4 };
+	scan_points points;
+	gw_error error = { 0 };
+	add_position(&cloud);
+	add_triple(&cloud, normal, SCAN_FLOAT32, values);
+	assert_int_equal(scan_points_make(&cloud, &SCAN_POINTS_OPTIONS_DEFAULT, &points, NULL), GW_OK);
+	points.normal[3 * 2 + 1] = 5.0f;
+	scan_put_aside(&cloud, &points);
+	static const char *const gone[4] = { "x", "y", "nx", "nz" };
+	for (int k = 0; k < 4; k++)
+		assert_null(scan_find(&cloud, gone[k])->data);
+	assert_non_null(scan_find(&cloud, "z")->data);
+	assert_non_null(scan_find(&cloud, "ny")->data);
+	assert_int_equal(scan_take_back(&cloud, &points, &error), GW_OK);
+	for (int k = 0; k < 4; k++)
+		for (size_t i = 0; i < 4; i++) {
+			double expected = k < 2 ? (double)i : (double)(float)values[i];
+			double value = scan_value(scan_find(&cloud, gone[k]), i);
+			assert_true(isnan(expected) ? isnan(value) : value == expected);
+			assert_true(signbit(value) == signbit(expected));
+		}
+	scan_points_clear(&points);
+	scan_clear(&cloud);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -647,6 +679,7 @@ int main(void)
 		cmocka_unit_test(grids_say_where_their_scanner_stood),
 		cmocka_unit_test(scanners_keep_their_points),
 		cmocka_unit_test(everything_else_is_handed_on),
+		cmocka_unit_test(columns_come_back_as_they_were),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
