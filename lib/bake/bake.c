@@ -166,9 +166,23 @@ static gw_status place_records(bake *b, gw_error *error)
 	return gw_scene_place_records(&b->scene, error);
 }
 
+static bool keeps_transport(const bake *b)
+{
+	return gw_transport_is_written(b->scene.options.transport);
+}
+
+/* Weights of fragments say what facets get of the lamps' light, and what a region depends on. */
+static void drop_weights(bake *b)
+{
+	if (!b->light.plan.lamps && !b->scene.region.asked && !keeps_transport(b))
+		gw_buffer_destroy(b->scene.gpu, &b->scene.octree.fragment_weight);
+}
+
 static gw_status gather_first(bake *b, gw_error *error)
 {
-	return gw_lighting_gather_first(&b->light, error);
+	GW_TRY(gw_lighting_gather_first(&b->light, error));
+	drop_weights(b);
+	return GW_OK;
 }
 
 static gw_status bounce(bake *b, gw_error *error)
@@ -230,11 +244,6 @@ static bool always(const bake *b)
 static bool has_transport(const bake *b)
 {
 	return gw_transport_is_read(b->scene.options.transport);
-}
-
-static bool keeps_transport(const bake *b)
-{
-	return gw_transport_is_written(b->scene.options.transport);
 }
 
 static bool needs_surface(const bake *b)

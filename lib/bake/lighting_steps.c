@@ -225,9 +225,9 @@ gw_status gw_lighting_gather_first(gw_lighting *lighting, gw_error *error)
 {
 	gw_scene *s = lighting->scene;
 	uint64_t slots = 2 * (uint64_t)s->octree.leaf_count;
+	GW_TRY(gw_scene_find_compartments(s, error));
 	GW_TRY(gw_lighting_darken(lighting, GW_BUFFER_TEXEL, slots, "facet radiance",
 							  &lighting->facet_radiance, error));
-	GW_TRY(gw_scene_find_compartments(s, error));
 	if (!lighting->whole)
 		report_shut_in(lighting);
 	gw_emitters_destroy(s->gpu, &lighting->emitters);
