@@ -18,7 +18,7 @@ typedef struct repeated {
 
 static void find_repeated(const scan *cloud, const scan_points *points, repeated found[REPEATED])
 {
-	static const char *const name[REPEATED] = { "x",  "y",  "z",          "nx",         "ny",
+	static const char *const name[REPEATED] = { "x",  "y",          "z",          "nx",        "ny",
 												"nz", "emission_r", "emission_g", "emission_b" };
 	const float *const triple[2] = { points->normal, points->emission };
 	for (size_t k = 0; k < REPEATED; k++) {

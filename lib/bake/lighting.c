@@ -156,9 +156,8 @@ gw_status gw_lighting_choose_sides(gw_lighting *lighting, gw_error *error)
 		return GW_OK;
 	gw_status status = gw_lighting_view(lighting, &lighting->surfel_direct, &direct, error);
 	for (size_t i = 0; i < s->count && status == GW_OK; i++) {
-		bool turned = shown[i] != UINT32_MAX &&
-					  light_of(lighting, direct.bytes, shown[i]) >
-						  light_of(lighting, direct.bytes, i);
+		bool turned = shown[i] != UINT32_MAX && light_of(lighting, direct.bytes, shown[i]) >
+													light_of(lighting, direct.bytes, i);
 		shown[i] = turned ? shown[i] : (uint32_t)i;
 	}
 	gw_view_close(&direct);

@@ -226,6 +226,8 @@ gw_status gw_lighting_gather_first(gw_lighting *lighting, gw_error *error)
 	gw_scene *s = lighting->scene;
 	uint64_t slots = 2 * (uint64_t)s->octree.leaf_count;
 	GW_TRY(gw_scene_find_compartments(s, error));
+	if (s->options.method != GW_METHOD_CONES && !gw_transport_is_written(s->options.transport))
+		gw_octree_drop_neighbours(s->gpu, &s->octree);
 	GW_TRY(gw_lighting_darken(lighting, GW_BUFFER_TEXEL, slots, "facet radiance",
 							  &lighting->facet_radiance, error));
 	if (!lighting->whole)

@@ -26,9 +26,9 @@
 
 /* What the records of one lighting say. */
 typedef struct density_work {
-	double *light;        /* records: luminance of irradiance */
-	double *mass;         /* records */
-	float *most, *factor; /* records */
+	double *light;                                 /* records: luminance of irradiance */
+	double *mass;                                  /* records */
+	float *most, *factor;                          /* records */
 	gw_view facet_row, facet_record, facet_weight; /* of gw_records */
 	size_t records, slots;
 	float least; /* spacing, leaf cells */
@@ -157,7 +157,8 @@ static gw_status begin(const gw_scene *s, gw_record_density *density, density_wo
 		density->facet_spacing[i] = s->region.facet_spacing ? s->region.facet_spacing[i] : spacing;
 	for (size_t i = 0; i < s->surfels.count && first; i++)
 		density->surfel_spacing[i] = spacing;
-	GW_TRY(gw_view_open(s->gpu, &s->records.facet_row, 4 * (uint64_t)w->slots, &w->facet_row, error));
+	GW_TRY(
+		gw_view_open(s->gpu, &s->records.facet_row, 4 * (uint64_t)w->slots, &w->facet_row, error));
 	GW_TRY(gw_view_open(s->gpu, &s->records.facet_record, bytes, &w->facet_record, error));
 	return gw_view_open(s->gpu, &s->records.facet_weight, bytes, &w->facet_weight, error);
 }

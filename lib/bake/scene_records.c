@@ -132,8 +132,6 @@ gw_status gw_scene_find_compartments(gw_scene *s, gw_error *error)
 	const gw_record_context on = gw_scene_context(s, &s->records);
 	const gw_record_context further = gw_scene_context(s, &s->further);
 	GW_TRY(gw_compartments_find(s->gpu, &s->surfels, s->options.threads, &s->octree, error));
-	if (s->options.method != GW_METHOD_CONES && !gw_transport_is_written(s->options.transport))
-		gw_octree_drop_neighbours(s->gpu, &s->octree);
 	GW_TRY(gw_rows_part(&on, &s->read_back, error));
 	if (s->buffers.hits.facet.handle != VK_NULL_HANDLE)
 		return gw_micro_buffers_shut_out(&on, &s->buffers, error);

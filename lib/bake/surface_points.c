@@ -19,7 +19,7 @@
  * them; a room of a million has two thirds. When these are given back, the light of all points
  * takes less. */
 #define FIXED_BYTES (UINT64_C(160) << 20)
-#define SURFACE_BYTES 1450u
+#define SURFACE_BYTES 1120u
 
 /* With fewer points a bake is refused for want of memory rather than made of next to nothing. */
 #define POINTS_LEAST 10000u

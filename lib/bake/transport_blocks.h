@@ -17,7 +17,7 @@ typedef struct gw_transport_numbers {
 	uint32_t depth, directory_level, leaves, leaf_tiles, tiles, border_tiles, fragments;
 	uint32_t tile_first[GW_DEPTH_MAX + 2];
 	uint32_t records, block_level, block_count, block_tile_first, rays, ray_seed;
-	uint32_t facet_rows; /* of gw_records */
+	uint32_t facet_rows;      /* of gw_records */
 	uint32_t entries;         /* of the way back from the records */
 	uint32_t emits;           /* 1: of surfels and facets, 2: of surfels alone */
 	uint32_t light_samples;   /* whose light is kept; 0: none are */

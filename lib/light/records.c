@@ -481,8 +481,8 @@ static gw_status weigh_rows(const gw_record_context *on, const gw_buffer *reach,
 									gw_whole(reach ? reach : &on->records->position),
 									GW_TREE_BINDING(on->octree),
 									gw_window(slot, 4) };
-	return gw_passes_run(on->passes, GW_PASS_FACET_WEIGHTS, bindings, &push,
-						 on->records->row_count, error);
+	return gw_passes_run(on->passes, GW_PASS_FACET_WEIGHTS, bindings, &push, on->records->row_count,
+						 error);
 }
 
 gw_status gw_records_weigh_facets(const gw_record_context *on, const gw_buffer *reach,

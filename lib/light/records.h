@@ -34,8 +34,8 @@ typedef struct gw_records {
 	 * turns towards each of its tangents, irradiance over the sine of the angle: record_moment.glsl
 	 */
 	gw_buffer first_moment, indirect_moment;
-	uint32_t row_count;  /* of facets: one each, behind one that is empty, as most slots have none */
-	gw_buffer facet_row; /* R32_UINT, 2 * leaf_count: the row of each facet, or 0 */
+	uint32_t row_count; /* of facets: one each, behind one that is empty, as most slots have none */
+	gw_buffer facet_row;    /* R32_UINT, 2 * leaf_count: the row of each facet, or 0 */
 	gw_buffer facet_record; /* R32G32B32A32_UINT, GW_WEIGHTS * row_count words: see
 							  facet_weights.comp */
 	gw_buffer facet_weight; /* R32G32B32A32_SFLOAT, likewise */

@@ -183,7 +183,7 @@ gw_status gw_octree_build_spaced(gw_gpu *gpu, const gw_surfels *surfels, float l
 								 gw_octree *octree, gw_error *error);
 void gw_octree_destroy(gw_gpu *gpu, gw_octree *octree);
 
-/* Drops tile_neighbour and leaf_tile_neighbour, which only cones need once compartments are found. */
+/* Drops tile_neighbour and leaf_tile_neighbour: with compartments found only cones need them. */
 void gw_octree_drop_neighbours(gw_gpu *gpu, gw_octree *octree);
 
 /* What octrees have in common whose first surfels are the same: fragments of these, and passes. */
