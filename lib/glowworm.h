@@ -136,6 +136,8 @@ typedef struct gw_points {
 								for */
 	char up;                 /* axis that points up: 'x', 'y', 'z', or 'X', 'Y', 'Z' for those that
 								point down; 0: z. Tells sides of surface where nothing else does */
+	bool normal_sideless;    /* normals may be turned around, all of them: nobody knows which way is
+								the front, which is found as for those that are estimated */
 } gw_points;
 
 /* Points that belong to no surface are strays. They get the light of the surface nearest to them,
@@ -148,6 +150,7 @@ typedef enum gw_stray_kind {
 	GW_STRAY_FAR,      /* far off all the rest */
 	GW_STRAY_ALONE,    /* many times further from others than those around are from each other */
 	GW_STRAY_MIXED,    /* between an edge and what is behind it, seen from the scanner */
+	GW_STRAY_HAZE,     /* a splat that hardly hides what is behind it */
 	GW_STRAY_KIND_COUNT
 } gw_stray_kind;
 

@@ -5,6 +5,7 @@
 #include "files/growing_table.h"
 #include "points/scan_color.h"
 #include "points/scan_opacity.h"
+#include "points/scan_splats.h"
 #include "points/scan_rows.h"
 #include "points/scan_intensity.h"
 #include "points/scan_join.h"
@@ -67,7 +68,8 @@ static void cofactors(const double a[9], double c[9])
 }
 
 /* Normals keep their length, which says how much they spread. */
-static gw_status transform_normals(scan *cloud, const double linear[9], gw_error *error)
+static gw_status transform_normals(scan *cloud, const char *const name[3], const double linear[9],
+								   gw_error *error)
 {
 	static const double zero[3] = { 0 };
 	double c[9];
@@ -81,14 +83,14 @@ static gw_status transform_normals(scan *cloud, const double linear[9], gw_error
 	for (size_t i = 0; i < cloud->count; i++) {
 		double n[3];
 		for (int k = 0; k < 3; k++)
-			n[k] = scan_value(scan_find(cloud, normal_names[k]), i);
+			n[k] = scan_value(scan_find(cloud, name[k]), i);
 		length[i] = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
 	}
-	gw_status status = transform_columns(cloud, normal_names, c, zero, error);
+	gw_status status = transform_columns(cloud, name, c, zero, error);
 	for (size_t i = 0; i < cloud->count && status == GW_OK; i++) {
 		double *n[3], sum = 0.0;
 		for (int k = 0; k < 3; k++) {
-			n[k] = (double *)scan_find(cloud, normal_names[k])->data + i;
+			n[k] = (double *)scan_find(cloud, name[k])->data + i;
 			sum += *n[k] * *n[k];
 		}
 		for (int k = 0; k < 3 && sum > 0.0; k++)
@@ -114,10 +116,12 @@ static gw_status transform(scan *cloud, const double matrix[16], gw_error *error
 			to[k] = linear[3 * k] * s[0] + linear[3 * k + 1] * s[1] + linear[3 * k + 2] * s[2] +
 					shift[k];
 	}
-	bool normals = scan_find(cloud, "nx") && scan_find(cloud, "ny") && scan_find(cloud, "nz");
 	GW_TRY(transform_columns(cloud, position_names, linear, shift, error));
-	if (normals)
-		GW_TRY(transform_normals(cloud, linear, error));
+	for (int t = 0; t < 2; t++) {
+		const char *const *name = t == 0 ? normal_names : scan_axis_names;
+		if (scan_find(cloud, name[0]) && scan_find(cloud, name[1]) && scan_find(cloud, name[2]))
+			GW_TRY(transform_normals(cloud, name, linear, error));
+	}
 	return GW_OK;
 }
 
@@ -430,8 +434,26 @@ static gw_status append_shares(float **to, size_t count, const float *from, size
 	return GW_OK;
 }
 
-static gw_status append_points(scan_points *to, size_t count, const scan_points *from,
-							   gw_error *error)
+static void forget_normals(scan_points *points, size_t count)
+{
+	for (size_t i = 0; i < 3 * count; i++)
+		points->normal[i] = 0.0f;
+	points->points.normal_sideless = false;
+}
+
+/* Where only one of two clouds knows sides, normals of no side are estimated anew. */
+static void match_sides(scan_points *to, size_t count, scan_points *from)
+{
+	bool both = to->normal && from->normal;
+	bool differ = to->points.normal_sideless != from->points.normal_sideless;
+	if (both && differ && to->points.normal_sideless)
+		forget_normals(to, count);
+	else if (both && differ)
+		forget_normals(from, from->points.count);
+	to->points.normal_sideless |= from->points.normal_sideless;
+}
+
+static gw_status append_points(scan_points *to, size_t count, scan_points *from, gw_error *error)
 {
 	size_t n = 3 * from->points.count;
 	double *position = reallocarray(to->position, 3 * count + n, sizeof *position);
@@ -439,6 +461,7 @@ static gw_status append_points(scan_points *to, size_t count, const scan_points 
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for positions");
 	to->position = position;
 	memcpy(position + 3 * count, from->position, n * sizeof *position);
+	match_sides(to, count, from);
 	GW_TRY(append_floats(&to->normal, 3 * count, from->normal, n, error));
 	GW_TRY(append_floats(&to->albedo, 3 * count, from->albedo, n, error));
 	GW_TRY(append_floats(&to->emission, 3 * count, from->emission, n, error));
@@ -724,6 +747,7 @@ static void point_out(const settings *s, loaded_scene *scene)
 	p->points = (gw_points){ .count = scene->cloud.count,
 							 .position = p->position,
 							 .normal = p->normal,
+							 .normal_sideless = p->points.normal_sideless,
 							 .albedo = p->albedo,
 							 .emission = p->emission,
 							 .opacity = p->opacity,

@@ -3,7 +3,7 @@
  *
  * Read in full: ascii and both binary orders, every scalar type under both of its names, properties
  * in any order, lists and other elements skipped, lines that end in LF, CRLF or CR. Written as
- * binary little-endian, columns in the scan's order.
+ * binary little-endian, columns in the scan's order. Gaussian splats become points (ply_splats.h).
  */
 #ifndef PLY_FORMAT_H
 #define PLY_FORMAT_H

@@ -7,6 +7,7 @@
 #include "files/number_text.h"
 #include "glowworm_host.h"
 #include "ply/ply_header.h"
+#include "ply/ply_splats.h"
 
 #include <assert.h>
 #include <math.h>
@@ -19,12 +20,14 @@ typedef struct reader {
 	const input_file *in;
 	const ply_header *header;
 	const ply_element *vertex;
+	bool splats; /* that is what the vertices are */
 	scan *scan;
 	gw_error *error;
 	const uint8_t *at, *end; /* what is left of the body */
 	size_t line;             /* ascii: number of the line before `at` */
 	bool swap;               /* the file's byte order is not ours */
-	void **data;             /* one a property: values of its column, NULL for a list */
+	void **data;             /* one a property: values of its column, NULL for a list
+								and for what is of no use */
 } reader;
 
 static size_t left(const reader *r)
@@ -84,7 +87,7 @@ static gw_status add_columns(reader *r, uint64_t points)
 		return gw_fail(r->error, GW_ERROR_MEMORY, "no memory for the columns of %s", r->in->name);
 	for (size_t i = 0; i < count; i++) {
 		const ply_property *property = &r->vertex->property[i];
-		if (property->list)
+		if (property->list || (r->splats && ply_is_splat_shine(property->name)))
 			continue;
 		scan_column *column =
 			scan_add_column(r->scan, column_name(r, property), property->type, r->error);
@@ -187,10 +190,9 @@ static gw_status take_binary(reader *r, const ply_element *element, size_t i)
 		}
 		if (size > left(r))
 			return fail_short(r, element, size);
-		if (element == r->vertex) {
-			assert(r->data);
+		assert(element != r->vertex || r->data);
+		if (element == r->vertex && r->data[k])
 			take_value((char *)r->data[k] + i * size, r->at, size, r->swap);
-		}
 		r->at += size;
 	}
 	return GW_OK;
@@ -224,8 +226,8 @@ static void take_rows(void *user, size_t first, size_t last, uint32_t worker)
 	const uint8_t *begin = r->at + first * stride, *from = begin;
 	for (size_t k = 0; k < r->vertex->property_count; k++) {
 		size_t size = scan_type_size(r->vertex->property[k].type);
-		char *to = (char *)r->data[k] + first * size;
-		for (size_t i = 0; i < last - first; i++)
+		char *to = r->data[k] ? (char *)r->data[k] + first * size : NULL;
+		for (size_t i = 0; to && i < last - first; i++)
 			take_value(to + i * size, from + i * stride, size, r->swap);
 		from += size;
 	}
@@ -386,6 +388,8 @@ static gw_status take_ascii_value(reader *r, size_t k, size_t i, ascii_line *lin
 	double value;
 	if (property->list)
 		return skip_ascii_list(r, property, line);
+	if (!r->data[k])
+		return take_number(r, property, line, &value, NULL);
 	if (property->type == SCAN_FLOAT32)
 		return take_number(r, property, line, NULL, (float *)r->data[k] + i);
 	if (property->type == SCAN_FLOAT64)
@@ -567,7 +571,10 @@ gw_status ply_read(input_file *in, scan *cloud, gw_error *error)
 					 .at = in->data + header.body,
 					 .end = in->data + in->length,
 					 .line = header.lines };
+		r.splats = ply_is_splats(r.vertex);
 		status = read_body(&r);
+		if (status == GW_OK && r.splats)
+			status = ply_splats_take(cloud, error);
 		if (status == GW_OK)
 			status = note_faces(&header, cloud, error);
 		ply_header_clear(&header);

@@ -5,7 +5,8 @@
  * A scan is a table of columns. Readers fill it, writers take it, and `scan_points` derives from
  * it what the light needs. Column names are the project's canonical ones where a meaning is known
  * (x y z, nx ny nz, red green blue, alpha, opacity, intensity, emission_r emission_g emission_b,
- * albedo_r albedo_g albedo_b, specular, roughness) and the file's own otherwise.
+ * albedo_r albedo_g albedo_b, specular, roughness; of splats also those of scan_splats.h) and the
+ * file's own otherwise.
  */
 #ifndef SCAN_H
 #define SCAN_H
@@ -170,12 +171,12 @@ typedef struct scan_points {
 } scan_points;
 
 /*
- * Derives positions, normals, linear albedo, emission, opacity, and which points a
- * file calls noise or withholds. What colours count up to, from 1 to
- * 65535, their values tell; see scan_color_find. With SCAN_ALBEDO_AUTO, colours that are all black
- * count as none. CloudCompare's prefix scalar_ is understood. A lit file's own albedo_* columns go
- * before its preview colours. out   on success owned by the caller, freed with scan_points_clear;
- * its scanners are those of the scan, which has to live as long
+ * Derives positions, normals, or else axes as normals of either side, linear albedo, emission,
+ * opacity, and which points a file calls noise or withholds, or are splats of haze. What colours
+ * count up to, from 1 to 65535, their values tell; see scan_color_find. With SCAN_ALBEDO_AUTO,
+ * colours that are all black count as none. CloudCompare's prefix scalar_ is understood. A lit
+ * file's own albedo_* columns go before its preview colours. out   on success owned by the caller,
+ * freed with scan_points_clear; its scanners are those of the scan, which has to live as long
  */
 gw_status scan_points_make(const scan *scan, const scan_points_options *options, scan_points *out,
 						   gw_error *error);

@@ -7,6 +7,7 @@
 #include "points/scan_opacity.h"
 #include "points/scan_intensity.h"
 #include "points/scan_told.h"
+#include "points/scan_splats.h"
 #include "glowworm_host.h"
 
 #include <math.h>
@@ -239,17 +240,21 @@ static gw_status make_strays(const scan *cloud, scan_points *out, gw_error *erro
 {
 	const scan_column *class = scan_find(cloud, "classification");
 	const scan_column *withheld = scan_find(cloud, "withheld");
-	if (!cloud->noise_classes || (!class && !withheld))
+	const scan_column *splats = scan_find(cloud, SCAN_SPLAT_OPACITY);
+	bool classes = cloud->noise_classes && (class || withheld);
+	if (!classes && !splats)
 		return GW_OK;
 	out->stray = calloc(cloud->count, 1);
 	if (!out->stray)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for classes of %zu points", cloud->count);
-	class = classes_mean_noise(cloud, class) ? class : NULL;
+	class = classes && classes_mean_noise(cloud, class) ? class : NULL;
 	for (size_t i = 0; i < cloud->count; i++) {
 		if (is_noise(cloud, class, i))
 			out->stray[i] = 1 + GW_STRAY_NOISE;
-		else if (withheld && scan_value(withheld, i) != 0.0)
+		else if (classes && withheld && scan_value(withheld, i) != 0.0)
 			out->stray[i] = 1 + GW_STRAY_WITHHELD;
+		else if (scan_is_haze(splats, i))
+			out->stray[i] = 1 + GW_STRAY_HAZE;
 	}
 	return GW_OK;
 }
@@ -300,7 +305,9 @@ static gw_status make_all(const scan *cloud, const scan_points_options *options,
 	GW_TRY(make_albedo(cloud, options, out, error));
 	GW_TRY(make_strays(cloud, out, error));
 	const scan_column *column[3];
-	if (scan_find_triple(cloud, normal_names, column))
+	bool sides = scan_find_triple(cloud, normal_names, column);
+	out->points.normal_sideless = !sides && scan_find_triple(cloud, scan_axis_names, column);
+	if (sides || out->points.normal_sideless)
 		GW_TRY(gather(&out->normal, column, cloud->count, error));
 	bool all = scan_find_triple(cloud, emission_names, column);
 	if (all || column[0] || column[1] || column[2])
@@ -324,6 +331,7 @@ gw_status scan_points_make(const scan *cloud, const scan_points_options *options
 	out->points = (gw_points){ .count = cloud->count,
 							   .position = out->position,
 							   .normal = out->normal,
+							   .normal_sideless = out->points.normal_sideless,
 							   .albedo = out->albedo,
 							   .emission = out->emission,
 							   .opacity = out->opacity,

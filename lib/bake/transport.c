@@ -67,7 +67,7 @@ gw_transport_identity gw_transport_identify(const gw_points *p)
 	scanner ^= hash_array(p->image_count ? p->image_cell : NULL, p->count, sizeof *p->image_cell);
 	return (gw_transport_identity){
 		.position = hash_array(p->position, p->count, 3 * sizeof *p->position),
-		.normal = hash_array(p->normal, p->count, 3 * sizeof *p->normal),
+		.normal = hash_array(p->normal, p->count, 3 * sizeof *p->normal) ^ p->normal_sideless,
 		.albedo = hash_array(p->albedo, p->count, 3 * sizeof *p->albedo),
 		.opacity = hash_array(p->opacity, p->count, sizeof *p->opacity),
 		.scanner = scanner ^ hash_array(p->scanner_of, p->count, sizeof *p->scanner_of),

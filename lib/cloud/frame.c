@@ -229,9 +229,12 @@ static void add_normal(const frame *f, size_t point, merged *sum)
 	double length = gw_normal_length(n);
 	if (length <= 0)
 		return;
-	double given = fmin(length, 1);
+	double given = fmin(length, 1), along = 0;
+	for (int k = 0; k < 3; k++)
+		along += sum->normals ? (double)sum->first_normal[k] * n[k] : 0;
+	double sign = f->points->normal_sideless && along < 0 ? -1 : 1;
 	for (int k = 0; k < 3; k++) {
-		double component = n[k] / length * given;
+		double component = sign * n[k] / length * given;
 		if (sum->normals == 0)
 			sum->first_normal[k] = (float)(n[k] / length);
 		sum->normal[k] += component;

@@ -429,12 +429,14 @@ static gw_status check_and_mend(check *c, const gw_points *points,
 {
 	figures found;
 	GW_TRY(measure(c, &found, error));
-	bool mixed = is_mixed(&found);
+	bool mixed = !points->normal_sideless && is_mixed(&found);
 	if (is_off(&found) || (mixed && points->scanner_count > 0)) {
 		s->normals_doubted = s->normals_given;
 		forget_normals(s);
 		return GW_OK;
 	}
+	if (points->normal_sideless)
+		return GW_OK;
 	if (mixed)
 		return mend_signs(c, options, s, &found, error);
 	GW_TRY(mend_facing_away(points, s, error));
@@ -443,8 +445,8 @@ static gw_status check_and_mend(check *c, const gw_points *points,
 			   : GW_OK;
 }
 
-gw_status gw_given_normals_mend(const gw_points *points, const gw_surfels_options *options,
-								gw_neighbours *search, gw_surfels *s, gw_error *error)
+static gw_status mend(const gw_points *points, const gw_surfels_options *options,
+					  gw_neighbours *search, gw_surfels *s, gw_error *error)
 {
 	if (options->normals == GW_NORMALS_ESTIMATE)
 		forget_normals(s);
@@ -457,5 +459,14 @@ gw_status gw_given_normals_mend(const gw_points *points, const gw_surfels_option
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory to check %zu normals", s->count);
 	gw_status status = check_and_mend(&c, points, options, s, error);
 	free(c.finding);
+	return status;
+}
+
+gw_status gw_given_normals_mend(const gw_points *points, const gw_surfels_options *options,
+								gw_neighbours *search, gw_surfels *s, gw_error *error)
+{
+	gw_status status = mend(points, options, search, s, error);
+	if (points->normal_sideless)
+		s->normals_given = 0;
 	return status;
 }

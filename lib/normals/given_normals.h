@@ -14,6 +14,9 @@
  * - inside out: a closed body whose fronts see nothing but each other, with no lamp, emitter or
  *   scanner within. All are turned.
  *
+ * Of normals without a side only directions are looked at. None of them counts as given afterwards:
+ * gw_normals_complete turns them.
+ *
  * Normals in which none of this is found stay as they are, to the bit. Thin sheets whose sides both
  * have points are no fault: there the opposing neighbours lie behind.
  */

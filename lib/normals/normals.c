@@ -47,6 +47,9 @@
 #define BETTER_PLANE 0.15f
 #define PLANE_ROUNDS 2
 
+/* |cos| between an axis and the estimated normal, below which it has no side that could be told. */
+#define AXIS_COSINE 0.5f
+
 /* What is known of one estimated normal. */
 enum {
 	GIVEN = 0, /* nothing was estimated */
@@ -436,13 +439,11 @@ static gw_status complete(normal_step *step, const gw_points *points,
 	return GW_OK;
 }
 
-gw_status gw_normals_complete(const gw_points *points, const gw_surfels_options *options,
+static gw_status complete_all(const gw_points *points, const gw_surfels_options *options,
 							  gw_neighbours *search, gw_surfels *surfels, gw_error *error)
 {
 	size_t count = surfels->count;
 	normal_step step = { .surfels = surfels, .search = search };
-	if (surfels->normals_given == count)
-		return GW_OK;
 	step.state = gw_allocate_zeros(count, sizeof *step.state);
 	step.next = gw_allocate_zeros(count, sizeof *step.next);
 	step.plane = gw_allocate_array(count, 4 * sizeof *step.plane);
@@ -457,4 +458,39 @@ gw_status gw_normals_complete(const gw_points *points, const gw_surfels_options 
 	free(step.scanner);
 	free(step.scanner_of);
 	return status;
+}
+
+/* Normals of no side: those that are estimated in their place tell the side, also where they are
+ * too noisy to tell more. */
+static gw_status turn_axes(const gw_points *points, const gw_surfels_options *options,
+						   gw_neighbours *search, gw_surfels *surfels, gw_error *error)
+{
+	size_t bytes = 3 * surfels->count * sizeof *surfels->normal;
+	float *axis = gw_allocate_array(surfels->count, 3 * sizeof *axis);
+	if (!axis)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to turn %zu normals", surfels->count);
+	memcpy(axis, surfels->normal, bytes);
+	memset(surfels->normal, 0, bytes);
+	gw_status status = complete_all(points, options, search, surfels, error);
+	for (size_t i = 0; status == GW_OK && i < surfels->count; i++) {
+		const float *a = axis + 3 * i;
+		float *n = surfels->normal + 3 * i, cosine = a[0] * n[0] + a[1] * n[1] + a[2] * n[2];
+		if (!(fabsf(cosine) > AXIS_COSINE))
+			continue;
+		for (size_t k = 0; k < 3; k++)
+			n[k] = cosine < 0 ? -a[k] : a[k];
+		surfels->normals_estimated--;
+	}
+	free(axis);
+	return status;
+}
+
+gw_status gw_normals_complete(const gw_points *points, const gw_surfels_options *options,
+							  gw_neighbours *search, gw_surfels *surfels, gw_error *error)
+{
+	if (points->normal_sideless)
+		return turn_axes(points, options, search, surfels, error);
+	return surfels->normals_given == surfels->count
+			   ? GW_OK
+			   : complete_all(points, options, search, surfels, error);
 }

@@ -5,12 +5,12 @@
 #include "cloud/neighbours.h"
 
 /*
- * Estimates normals that are 0, 0, 0, orients them and sets two_sided where they cannot be trusted.
- * A normal is that of the plane through the neighbours or, near creases, of a neighbour's plane
- * that the surfel lies on and that is of one face alone; on leaves and wires, of which rows and
- * columns of a scan tell, that of the plane through a few neighbours. Orientation: to the scanner
- * that saw it, or the one in sight that sees it best when nobody knows; without scanners as
- * normal_orientation.h says.
+ * Estimates normals that are 0, 0, 0, orients them, and those of no side, and sets two_sided where
+ * they cannot be trusted. A normal is that of the plane through the neighbours or, near creases, of
+ * a neighbour's plane that the surfel lies on and that is of one face alone; on leaves and wires,
+ * of which rows and columns of a scan tell, that of the plane through a few neighbours.
+ * Orientation: to the scanner that saw it, or the one in sight that sees it best when nobody knows;
+ * without scanners as normal_orientation.h says.
  */
 gw_status gw_normals_complete(const gw_points *points, const gw_surfels_options *options,
 							  gw_neighbours *search, gw_surfels *surfels, gw_error *error);

@@ -26,7 +26,8 @@ static gw_status choose(const gw_points *points, const gw_surfels_options *optio
 {
 	gw_neighbours *search = NULL;
 	gw_status status = GW_OK;
-	if (surfels->normals_given < surfels->count && !options->choose_by_place) {
+	bool complete = surfels->normals_given == surfels->count && !points->normal_sideless;
+	if (!complete && !options->choose_by_place) {
 		status = gw_neighbours_open(surfels, options, &search, error);
 		if (status == GW_OK)
 			status = gw_normals_complete(points, options, search, surfels, error);

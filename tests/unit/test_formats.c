@@ -327,6 +327,66 @@ static void ply_with_other_names(void **state)
 	scan_clear(&cloud);
 }
 
+/* Each of the axes is the thinnest of one splat, turned by 120 degrees about 1 1 1 and by some
+ * length: x leads to y, y to z, z to x. */
+static void ply_of_splats(void **state)
+{
+	(void)state;
+	scan cloud = read_ply(
+		HEAD "element vertex 5\n" XYZ "property float nx\nproperty float ny\nproperty float nz\n"
+			 "property float f_dc_0\nproperty float f_dc_1\nproperty float f_dc_2\n"
+			 "property float f_rest_0\nproperty float opacity\n"
+			 "property float scale_0\nproperty float scale_1\n"
+			 "property float scale_2\nproperty float rot_0\nproperty float rot_1\n"
+			 "property float rot_2\nproperty float rot_3\nend_header\n"
+			 "1 2 3 0 0 0 0 1 -1 7 0 -9 -1 -2 3 3 3 3\n"
+			 "1 2 3 0 0 0 9 -9 0 7 2 -1 -9 -2 3 3 3 3\n"
+			 "1 2 3 0 0 0 0 0 0 7 -2 -1 -2 -9 3 3 3 3\n"
+			 "1 2 3 0 0 0 0 0 nan 7 nan -1 -2 -2.5 3 3 3 3\n"
+			 "1 2 3 0 0 0 0 0 0 7 -0.01 -1 -2 -9 0 0 0 0\n");
+	assert_int_equal(cloud.column_count, 10);
+	assert_int_equal(cloud.up, 'Y');
+	assert_non_null(strstr(cloud.comment[0], "3 of 5 splats are less than half opaque"));
+	assert_non_null(strstr(cloud.comment[0], "of 3 that are flat"));
+	/* 255 * (0.5 +- 0.28209479) is 199.4 and 55.6. */
+	static const double color[5][3] = {
+		{ 128, 199, 56 }, { 255, 1, 128 }, { 128, 128, 128 }, { 128, 128, 128 }, { 128, 128, 128 }
+	};
+	static const double axis[5][3] = { { 0, 1, 0 }, { 0, 0, 1 }, { 1, 0, 0 } };
+	/* 1 / (1 + exp(-2)) */
+	static const double opacity[5] = { 0.5, 0.880797, 0.119203, 0, 0.4975 };
+	for (size_t i = 0; i < 5; i++) {
+		for (int k = 0; k < 3; k++) {
+			static const char *const axes[] = { "axis_x", "axis_y", "axis_z" };
+			static const char *const colors[] = { "red", "green", "blue" };
+			assert_int_equal(scan_value(scan_find(&cloud, colors[k]), i), color[i][k]);
+			assert_float_equal(scan_value(scan_find(&cloud, axes[k]), i), axis[i][k], 1e-6);
+		}
+		assert_float_equal(scan_value(scan_find(&cloud, "splat_opacity"), i), opacity[i], 1e-5);
+	}
+	scan_clear(&cloud);
+}
+
+/* Normals that somebody filled stay, and what is no splat has its opacity. */
+static void ply_of_splats_with_normals(void **state)
+{
+	(void)state;
+	scan cloud = read_ply(HEAD "element vertex 1\n" XYZ
+							   "property float nx\nproperty float ny\nproperty float nz\n"
+							   "property float f_dc_0\nproperty float opacity\n"
+							   "property float scale_0\nproperty float rot_0\nend_header\n"
+							   "1 2 3 0 0 -1 0 4 -9 1\n");
+	assert_float_equal(scan_value(scan_find(&cloud, "nz"), 0), -1, 0);
+	assert_null(scan_find(&cloud, "axis_x"));
+	scan_clear(&cloud);
+	cloud = read_ply(HEAD "element vertex 1\n" XYZ "property float opacity\n"
+						  "property float f_dc_0\nproperty float scale_0\nend_header\n"
+						  "1 2 3 0.25 1 1\n");
+	assert_float_equal(scan_value(scan_find(&cloud, "opacity"), 0), 0.25, 0);
+	assert_int_equal(cloud.comment_count, 0);
+	scan_clear(&cloud);
+}
+
 static void ply_without_vertices(void **state)
 {
 	(void)state;
@@ -840,6 +900,8 @@ int main(void)
 		cmocka_unit_test(ply_text_on_threads),
 		cmocka_unit_test(ply_with_any_line_end),
 		cmocka_unit_test(ply_with_other_names),
+		cmocka_unit_test(ply_of_splats),
+		cmocka_unit_test(ply_of_splats_with_normals),
 		cmocka_unit_test(ply_without_vertices),
 		cmocka_unit_test(ply_that_is_damaged),
 		cmocka_unit_test(ply_comes_back_bit_by_bit),
