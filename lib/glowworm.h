@@ -150,6 +150,7 @@ typedef enum gw_stray_kind {
 	GW_STRAY_FAR,      /* far off all the rest */
 	GW_STRAY_ALONE,    /* many times further from others than those around are from each other */
 	GW_STRAY_MIXED,    /* between an edge and what is behind it, seen from the scanner */
+	GW_STRAY_MOUNT,    /* what a scanner stood on, next to it and to nothing else */
 	GW_STRAY_HAZE,     /* a splat that hardly hides what is behind it */
 	GW_STRAY_KIND_COUNT
 } gw_stray_kind;

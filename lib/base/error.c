@@ -85,6 +85,7 @@ const char *gw_stray_kind_name(gw_stray_kind kind)
 		[GW_STRAY_ZERO] = "zero point", [GW_STRAY_NO_DATA] = "no data",
 		[GW_STRAY_FAR] = "far off",     [GW_STRAY_ALONE] = "alone",
 		[GW_STRAY_MIXED] = "mixed",     [GW_STRAY_HAZE] = "haze",
+		[GW_STRAY_MOUNT] = "mount",
 	};
 	return kind < GW_STRAY_KIND_COUNT ? name[kind] : "unknown";
 }

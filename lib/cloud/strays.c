@@ -12,6 +12,7 @@
 #include "cloud/frame.h"
 #include "cloud/neighbour_index.h"
 #include "cloud/stray_cells.h"
+#include "cloud/stray_mounts.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -119,6 +120,17 @@ static void mark_far(const gw_points *points, gw_stray_marks *marks)
 	}
 }
 
+static gw_status mark_mounts(const gw_points *points, gw_stray_marks *marks, gw_error *error)
+{
+	uint8_t *found;
+	GW_TRY(gw_stray_mounts_find(points, &found, error));
+	for (size_t i = 0; found && i < points->count; i++)
+		if (found[i])
+			set_mark(marks, i, GW_STRAY_MOUNT);
+	free(found);
+	return GW_OK;
+}
+
 gw_status gw_strays_mark_known(const gw_points *points, gw_stray_marks *marks, gw_error *error)
 {
 	double minimum[3], maximum[3];
@@ -140,6 +152,7 @@ gw_status gw_strays_mark_known(const gw_points *points, gw_stray_marks *marks, g
 		marks->count = 0;
 	} else if (status == GW_OK) {
 		mark_far(&rest, marks);
+		status = mark_mounts(&rest, marks, error);
 	}
 	free(position);
 	return status;

@@ -23,10 +23,10 @@ typedef struct gw_stray_marks {
 } gw_stray_marks;
 
 /*
- * Marks what is known without looking at surfaces: what points->stray says, and what lies far off
- * all the rest (bulk_bounds.h). All of it stays unmarked if nothing else were left.
- *   marks  on success owned by the caller, to be cleared with gw_strays_clear
- * Fails with GW_ERROR_MEMORY.
+ * Marks what is known without looking at surfaces: what points->stray says, what lies far off all
+ * the rest (bulk_bounds.h), and what scanners stood on (stray_mounts.h). All of it stays unmarked
+ * if nothing else were left. marks  on success owned by the caller, to be cleared with
+ * gw_strays_clear Fails with GW_ERROR_MEMORY.
  */
 gw_status gw_strays_mark_known(const gw_points *points, gw_stray_marks *marks, gw_error *error);
 void gw_strays_clear(gw_stray_marks *marks);
