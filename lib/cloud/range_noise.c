@@ -3,7 +3,8 @@
  *
  * Noise changes from cell to cell, a surface hardly does: of five cells in a row, the fourth
  * difference of the inverse range is noise, but where an edge is near. So a low quantile is taken,
- * for each range by itself, since noise grows with it. Steps are seen by values that repeat.
+ * for each range by itself, since noise grows with it. Steps are seen by values that repeat; with
+ * them low quantiles are 0, and how much ranges flicker is seen along lines.
  */
 #include "cloud/range_steps.h"
 
@@ -25,13 +26,28 @@
 #define STEP_SPREAD 1.3 /* most between the two */
 #define STEP_NOISE 0.42 /* of a step: where ranges flicker between two of them */
 
+/*
+ * Cameras that match patterns flicker by more, in patches of some cells: about planes through
+ * windows of 17 cells a Kinect's ranges scatter by 0.4 to 0.6 steps, which is 1.4 times as much as
+ * about parabolas along lines of 17 cells. Steps and even noise of a third of one come to 0.35
+ * there (simulated), a Kinect to 0.42 to 0.5. A low quantile is taken, since some lines pass edges;
+ * what is more than MOST is the surface's shape.
+ */
+#define FLICKER_FROM 0.38
+#define PATCHES 1.4
+#define QUANTILE_LINE 0.4
+#define STEP_NOISE_MOST 0.7
+
+#define LINE 17
+#define LINES_EVERY 4 /* cells */
+
 #define DEPTHS 5 /* x, y, z, the range, and the depth along a camera's axis */
 
 typedef uint32_t level_counts[GW_RANGE_BINS][LEVELS];
 
 /* What is counted: fourth differences, and changes of each coordinate and of the range. */
 typedef struct noise_counts {
-	level_counts fourth;
+	level_counts fourth, line;          /* and scatter about lines of LINE cells */
 	uint32_t change[2][DEPTHS][LEVELS]; /* as they are, and by the square of the depth */
 	uint32_t same[DEPTHS], changed[DEPTHS], pairs[GW_RANGE_BINS];
 } noise_counts;
@@ -86,6 +102,32 @@ static void count_five(const gw_range_grid *grid, size_t cell, size_t stride, co
 	}
 }
 
+/* Counts how far the cells of a line, `stride` apart, scatter about a parabola, as inverse ranges
+ * of what is hardly curved lie on one. */
+static void count_line(const gw_range_grid *grid, size_t cell, size_t stride, noise_counts *c)
+{
+	/* Sums over a line of squares of the terms of first and second order that are at right angles
+	 * to each other and to a constant. */
+	const double first = LINE * (LINE * LINE - 1.0) / 12.0;
+	const double second = first * (LINE * LINE - 4.0) / 15.0, shift = (LINE * LINE - 1.0) / 12.0;
+	double term[3] = { 0 }, inverse[LINE], squares = 0.0, way[3];
+	for (size_t i = 0; i < LINE; i++) {
+		double x = (double)i - 0.5 * (LINE - 1);
+		if (!gw_range_way(grid, cell + i * stride, way))
+			return;
+		inverse[i] = 1.0 / sqrt(way[0] * way[0] + way[1] * way[1] + way[2] * way[2]);
+		term[0] += inverse[i] / LINE;
+		term[1] += inverse[i] * x / first;
+		term[2] += inverse[i] * (x * x - shift) / second;
+	}
+	for (size_t i = 0; i < LINE; i++) {
+		double x = (double)i - 0.5 * (LINE - 1);
+		double off = inverse[i] - term[0] - term[1] * x - term[2] * (x * x - shift);
+		squares += off * off / (LINE - 3);
+	}
+	c->line[gw_range_bin(1.0 / term[0])][level_of(sqrt(squares) / (term[0] * term[0]))]++;
+}
+
 /* The quantile of a bin, together with as many bins around as it takes; 0 when there are too few.
  */
 static double quantile_of(const level_counts counts, uint32_t bin, double share)
@@ -131,17 +173,39 @@ static double step_of(const noise_counts *c, size_t k, bool squared)
 	return middle <= STEP_SPREAD * low ? middle : 0.0;
 }
 
-/* Makes the noise at least as large as steps do. */
+static uint64_t count_lines(const noise_counts *c, uint32_t bin)
+{
+	uint64_t count = 0;
+	for (uint32_t l = 0; l < LEVELS; l++)
+		count += c->line[bin][l];
+	return count;
+}
+
+/* The noise of steps, in steps: that of the ranges at which they flicker most. */
+static double flicker_of(const noise_counts *c, const double step[GW_RANGE_BINS])
+{
+	double most = 0.0;
+	for (uint32_t bin = 0; bin < GW_RANGE_BINS; bin++)
+		if (step[bin] > 0.0 && count_lines(c, bin) >= SAMPLES_LEAST)
+			most = fmax(most, quantile_of(c->line, bin, QUANTILE_LINE) / step[bin]);
+	return most > FLICKER_FROM ? fmin(PATCHES * most, STEP_NOISE_MOST) : STEP_NOISE;
+}
+
+/* Makes the noise at least as large as steps do, and flicker between them. */
 static void add_steps(const noise_counts *c, float noise[GW_RANGE_BINS])
 {
+	double even = 0.0, factor = 0.0, step[GW_RANGE_BINS];
 	for (size_t k = 0; k < DEPTHS; k++) {
-		double even = step_of(c, k, false), factor = step_of(c, k, true);
-		for (uint32_t bin = 0; bin < GW_RANGE_BINS; bin++) {
-			double range = exp2(((double)bin + 0.5) / 4.0 - 12.0);
-			double step = fmax(even, factor * range * range);
-			noise[bin] = fmaxf(noise[bin], (float)(STEP_NOISE * step));
-		}
+		even = fmax(even, step_of(c, k, false));
+		factor = fmax(factor, step_of(c, k, true));
 	}
+	for (uint32_t bin = 0; bin < GW_RANGE_BINS; bin++) {
+		double range = exp2(((double)bin + 0.5) / 4.0 - 12.0);
+		step[bin] = fmax(even, factor * range * range);
+	}
+	double flicker = flicker_of(c, step);
+	for (uint32_t bin = 0; bin < GW_RANGE_BINS; bin++)
+		noise[bin] = fmaxf(noise[bin], (float)(flicker * step[bin]));
 }
 
 /* Where a camera looks: the sum of two directions on opposite sides of the middle is along that,
@@ -196,6 +260,10 @@ bool gw_range_noise_find(gw_range_grid *grid)
 				count_five(grid, cell, 1, axis, c);
 			if (row + 4 < rows)
 				count_five(grid, cell, columns, axis, c);
+			if ((row + column) % LINES_EVERY == 0 && column + LINE <= columns)
+				count_line(grid, cell, 1, c);
+			if ((row + column) % LINES_EVERY == 0 && row + LINE <= rows)
+				count_line(grid, cell, columns, c);
 		}
 	}
 	for (uint32_t bin = 0; bin < GW_RANGE_BINS; bin++) {
