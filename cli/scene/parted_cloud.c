@@ -15,7 +15,7 @@
  * columns, and of the program and its driver; such that gw_surface_points_most finds room for all
  * that are kept. What the process holds just now is not asked, which is never twice the same: the
  * points that are kept are to be. */
-#define KEPT_BYTES 1600u
+#define KEPT_BYTES 1270u
 #define FIXED_BYTES (UINT64_C(264) << 20)
 
 /* With fewer points a bake is refused for want of memory rather than made of next to nothing. */

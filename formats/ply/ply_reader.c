@@ -9,7 +9,6 @@
 #include "ply/ply_header.h"
 #include "ply/ply_splats.h"
 
-#include <assert.h>
 #include <math.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -190,8 +189,7 @@ static gw_status take_binary(reader *r, const ply_element *element, size_t i)
 		}
 		if (size > left(r))
 			return fail_short(r, element, size);
-		assert(element != r->vertex || r->data);
-		if (element == r->vertex && r->data[k])
+		if (element == r->vertex && r->data && r->data[k])
 			take_value((char *)r->data[k] + i * size, r->at, size, r->swap);
 		r->at += size;
 	}
@@ -592,7 +590,8 @@ static bool has_rows(const ply_header *header, const input_file *in, size_t *byt
 	bool lists;
 	const ply_element *vertex = &header->element[header->vertex];
 	*bytes = least_bytes(vertex, &lists);
-	if (header->encoding == PLY_ASCII || header->vertex != 0 || lists || *bytes == 0)
+	if (header->encoding == PLY_ASCII || header->vertex != 0 || lists || *bytes == 0 ||
+		ply_is_splats(vertex))
 		return false;
 	uint64_t room = (in->length - header->body) / *bytes;
 	return vertex->count == room || (vertex->count < room && header->element_count > 1);

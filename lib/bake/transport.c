@@ -299,7 +299,7 @@ static bool indices_fit(const gw_transport_block *block, const unsigned char *by
 	uint32_t word;
 	for (uint64_t at = 0; block->limit > 0 && at < length; at += 4 * (uint64_t)block->step) {
 		memcpy(&word, bytes + at, sizeof word);
-		if ((word & block->mask) >= block->limit && word != GW_NONE)
+		if ((word & block->mask) >= block->limit && (block->all || word != GW_NONE))
 			return false;
 	}
 	return true;

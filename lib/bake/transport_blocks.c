@@ -295,7 +295,9 @@ static void list_records(list *l, gw_scene *scene, const gw_transport_numbers *n
 	device(l, "record normal", &r->normal, 16 * (uint64_t)n->records);
 	index_below(host(l, "facets of records", &r->facet, 4 * (uint64_t)n->records), 0, slots,
 				~GW_RECORD_BACK, 1);
-	words(l, "facet row", &r->facet_row, 4 * slots, n->facet_rows);
+	gw_transport_block *row = device(l, "facet row", &r->facet_row, 4 * slots);
+	index_below(row, VK_FORMAT_R32_UINT, n->facet_rows, UINT32_MAX, 1);
+	row->all = true;
 	index_below(device(l, "facet record", &r->facet_record, 4 * GW_WEIGHTS * facets),
 				VK_FORMAT_R32G32B32A32_UINT, n->records, UINT32_MAX, 1);
 	device(l, "facet weight", &r->facet_weight, 4 * GW_WEIGHTS * facets);

@@ -45,6 +45,7 @@ typedef struct gw_transport_block {
 	uint64_t limit; /* of arrays of indices: they are below this or GW_NONE; 0: no such array */
 	uint32_t mask;  /* bits of a word that are the index */
 	uint32_t step;  /* in words, from one index to the next */
+	bool all;       /* GW_NONE is none of them */
 } gw_transport_block;
 
 #define GW_TRANSPORT_BLOCKS 64u

@@ -10,7 +10,7 @@ grep 'others make' said.txt | sed -E 's/[0-9.e-]+ m apart/D m apart/; s/[0-9]{4,
 sed -nE 's/^came .* ([0-9]+) MB of the host.*/\1/p' said.txt |
 	awk '{ print ($1 < 357) ? "below the limit" : $1 }'
 grep -o '^ "points": [0-9]*' parted.json
-awk -F'[:,]' '/^ "surface_points"/ { print ($2 > 20000 && $2 < 50000) ? "a part" : $2 }' parted.json
+awk -F'[:,]' '/^ "surface_points"/ { print ($2 > 20000 && $2 < 63000) ? "a part" : $2 }' parted.json
 bake cave.ply -q -j 1 --memory 340M --explain -o one.ply 2>/dev/null
 [ "$(body one.ply)" = "$(body parted.ply)" ] && echo "by one thread: the same"
 # All points, in their order, with what they brought.
