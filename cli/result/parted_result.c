@@ -1,7 +1,6 @@
 /* parted_result.c - see parted_result.h. */
 #include "result/parted_result.h"
 
-#include "glowworm_parts.h"
 #include "points/format.h"
 #include "program/signals.h"
 #include "result/lit_scan.h"
@@ -22,38 +21,35 @@ static void clear(lit_part *p)
 	loaded_scene_clear_part(&p->scene);
 }
 
-static gw_status open_surface(const parted_result *r, gw_lit_surface **surface, gw_error *error)
-{
-	return gw_lit_surface_open(&r->scene->points.points, r->light, &r->settings->bake, surface,
-							   error);
-}
-
 /* To be cleared also on failure. */
-static gw_status light_part(const parted_result *r, gw_lit_surface *surface, uint64_t first,
-							lit_part *p, gw_error *error)
+static gw_status light_part(const parted_result *r, uint64_t first, lit_part *p, gw_error *error)
 {
 	*p = (lit_part){ .light = NULL };
 	GW_TRY(loaded_scene_read_part(r->settings, r->scene, first, &p->scene, error));
 	glossy_points_apply(r->settings, &p->scene);
-	GW_TRY(gw_lit_surface_light(surface, &p->scene.points.points, &p->light, error));
+	GW_TRY(gw_lit_surface_light(r->surface, &p->scene.points.points, &p->light, error));
 	return signals_check(error);
 }
 
-gw_status parted_result_measure(const parted_result *r, gw_error *error)
+gw_status parted_result_open(parted_result *r, gw_error *error)
 {
-	gw_lit_surface *surface;
-	uint64_t count = r->scene->parted->file.count;
-	GW_TRY(open_surface(r, &surface, error));
-	gw_status status = GW_OK;
-	for (uint64_t k = 0; k < PARTS_MEASURED && status == GW_OK; k++) {
+	uint64_t count = r->scene->parted->file.count, step = count / PARTS_MEASURED;
+	GW_TRY(gw_lit_surface_open(&r->scene->points.points, r->light, &r->settings->bake, &r->surface,
+							   error));
+	for (uint64_t first = 0, points = 0; first<count; first += points> step ? points : step) {
 		lit_part p;
-		status = light_part(r, surface, count / PARTS_MEASURED * k, &p, error);
+		gw_status status = light_part(r, first, &p, error);
+		points = p.scene.cloud.count;
 		clear(&p);
+		GW_TRY(status);
 	}
-	if (status == GW_OK)
-		gw_lit_surface_report(surface, count, &r->light->report);
-	gw_lit_surface_close(&surface);
-	return status;
+	gw_lit_surface_report(r->surface, count, &r->light->report);
+	return GW_OK;
+}
+
+void parted_result_close(parted_result *r)
+{
+	gw_lit_surface_close(&r->surface);
 }
 
 /* Takes the part's columns. */
@@ -71,15 +67,16 @@ static gw_status write_part(const parted_result *r, const settings *s, lit_part 
 	return status;
 }
 
-static gw_status write_all(const parted_result *r, gw_lit_surface *surface, double exposure,
-						   output_file *out, gw_error *error)
+gw_status parted_result_write(const parted_result *r, output_file *out, double *exposure,
+							  gw_error *error)
 {
 	settings s = *r->settings; /* nothing of it is freed */
 	uint64_t count = r->scene->parted->file.count;
-	s.exposure = (float)exposure;
+	GW_TRY(lit_scan_meter(r->scene, r->light, r->settings, exposure, error));
+	s.exposure = (float)*exposure;
 	for (uint64_t first = 0, points = 0; first < count; first += points) {
 		lit_part p;
-		gw_status status = light_part(r, surface, first, &p, error);
+		gw_status status = light_part(r, first, &p, error);
 		points = p.scene.cloud.count;
 		if (status == GW_OK)
 			status = write_part(r, &s, &p, first == 0, out, error);
@@ -88,15 +85,4 @@ static gw_status write_all(const parted_result *r, gw_lit_surface *surface, doub
 		progress_show(r->progress, "write", (double)(first + points) / (double)count);
 	}
 	return GW_OK;
-}
-
-gw_status parted_result_write(const parted_result *r, output_file *out, double *exposure,
-							  gw_error *error)
-{
-	gw_lit_surface *surface;
-	GW_TRY(lit_scan_meter(r->scene, r->light, r->settings, exposure, error));
-	GW_TRY(open_surface(r, &surface, error));
-	gw_status status = write_all(r, surface, *exposure, out, error);
-	gw_lit_surface_close(&surface);
-	return status;
 }

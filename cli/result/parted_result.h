@@ -6,6 +6,7 @@
 #define PARTED_RESULT_H
 
 #include "files/output_file.h"
+#include "glowworm_parts.h"
 #include "options/progress.h"
 #include "scene/loaded_scene.h"
 
@@ -15,11 +16,14 @@ typedef struct parted_result {
 	gw_bake_result *light;     /* of it */
 	const format *format;      /* of the results */
 	progress *progress;
+	gw_lit_surface *surface; /* NULL; of parted_result_open */
 } parted_result;
 
-/* Completes the report: all points, and the error of what lies between those that were baked, as
- * some parts of the cloud, spread over the file, tell. */
-gw_status parted_result_measure(const parted_result *result, gw_error *error);
+/* Makes ready to light all points, and completes the report: how many there are, and the error of
+ * what lies between those that were baked, as some parts of the cloud, spread over the file, tell.
+ *   result   to be given back with parted_result_close, also on failure */
+gw_status parted_result_open(parted_result *result, gw_error *error);
+void parted_result_close(parted_result *result);
 
 /*
  * Lights all points and writes them in the order of the file.

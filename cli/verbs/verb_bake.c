@@ -37,6 +37,7 @@ typedef struct bake {
 	region_points region;
 	gw_light *light;
 	gw_bake_result *result;
+	parted_result all;   /* points of a parted cloud */
 	gw_drivers *drivers; /* loaded while the inputs are read */
 	scan lit;
 	progress progress;
@@ -352,11 +353,14 @@ static gw_status light_points(bake *b)
 	progress_clear(&b->progress);
 	b->facts.bake_seconds = now() - start;
 	b->facts.result = b->result;
-	if (status == GW_OK && b->scene.parted)
-		return parted_result_measure(
-			&(parted_result){ b->settings, &b->scene, b->result, b->format, &b->progress },
-			b->error);
-	return status;
+	if (status != GW_OK || !b->scene.parted)
+		return status;
+	b->all = (parted_result){ .settings = b->settings,
+							  .scene = &b->scene,
+							  .light = b->result,
+							  .format = b->format,
+							  .progress = &b->progress };
+	return parted_result_open(&b->all, b->error);
 }
 
 /* -------------------------------------------------------------------------------- results */
@@ -442,9 +446,8 @@ static gw_status write_grids(bake *b)
 
 static gw_status write_points(bake *b)
 {
-	const parted_result parted = { b->settings, &b->scene, b->result, b->format, &b->progress };
 	if (b->scene.parted)
-		return parted_result_write(&parted, b->output, &b->facts.exposure, b->error);
+		return parted_result_write(&b->all, b->output, &b->facts.exposure, b->error);
 	GW_TRY(lit_scan_make(&b->scene, b->result, b->settings, &b->lit, &b->facts.exposure, b->error));
 	return b->output ? b->format->write(b->output, &b->lit, b->error) : GW_OK;
 }
@@ -580,6 +583,7 @@ gw_status verb_bake(settings *s, gw_error *error)
 	input_file_close(&b.reused);
 	s->bake.drivers = NULL;
 	gw_drivers_release(&b.drivers);
+	parted_result_close(&b.all);
 	gw_bake_result_destroy(&b.result);
 	region_points_clear(&b.region);
 	loaded_scene_clear(&b.scene);

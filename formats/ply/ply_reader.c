@@ -555,20 +555,27 @@ static gw_status note_faces(const ply_header *header, scan *cloud, gw_error *err
 	return GW_OK;
 }
 
+/* At the beginning of the body. */
+static reader reader_of(const input_file *in, const ply_header *header, scan *cloud,
+						gw_error *error)
+{
+	return (reader){ .in = in,
+					 .header = header,
+					 .vertex = &header->element[header->vertex],
+					 .scan = cloud,
+					 .error = error,
+					 .at = in->data + header->body,
+					 .end = in->data + in->length,
+					 .line = header->lines };
+}
+
 gw_status ply_read(input_file *in, scan *cloud, gw_error *error)
 {
 	*cloud = (scan){ .up = 'z' };
 	ply_header header;
 	gw_status status = ply_header_parse(&header, in, cloud, error);
 	if (status == GW_OK) {
-		reader r = { .in = in,
-					 .header = &header,
-					 .vertex = &header.element[header.vertex],
-					 .scan = cloud,
-					 .error = error,
-					 .at = in->data + header.body,
-					 .end = in->data + in->length,
-					 .line = header.lines };
+		reader r = reader_of(in, &header, cloud, error);
 		r.splats = ply_is_splats(r.vertex);
 		status = read_body(&r);
 		if (status == GW_OK && r.splats)
@@ -631,13 +638,7 @@ gw_status ply_read_rows(input_file *in, const format_rows *part, scan *cloud, gw
 	gw_status status = ply_header_parse(&header, in, cloud, error);
 	if (status != GW_OK)
 		return status;
-	reader r = { .in = in,
-				 .header = &header,
-				 .vertex = &header.element[header.vertex],
-				 .scan = cloud,
-				 .error = error,
-				 .at = in->data + header.body,
-				 .end = in->data + in->length };
+	reader r = reader_of(in, &header, cloud, error);
 	if (!has_rows(&header, in, &bytes) || part->first > r.vertex->count ||
 		part->count > r.vertex->count - part->first)
 		status = gw_fail(error, GW_ERROR_DATA, "%s has no points %llu to %llu to be read by parts",
