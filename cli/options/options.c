@@ -408,11 +408,13 @@ const option options[] = {
 	{ "light", 'l', "LIGHT", OPTION_LIGHT, FOR(BAKE | PLAN | TRADEOFF | RENDER | ALBEDO | PROBES),
 	  .group = "Scene",
 	  .help = "add a light: its type, then pairs of key and value; may be given many times" },
-	{ "scanner", 0, "X,Y,Z|@FILE", OPTION_SCANNER,
+	{ "scanner", 0, "X,Y,Z|@FILE|none", OPTION_SCANNER,
 	  FOR(BAKE | PLAN | TRADEOFF | RENDER | ALBEDO | PROBES), .group = "Scene",
-	  .help = "where a scanner stood, in metres, whatever the inputs say: normals that are missing "
-			  "face it where it saw the point. May be given many times; @FILE holds one place a "
-			  "line" },
+	  .help =
+		  "where a scanner stood, in metres, whatever the inputs say: normals that are missing "
+		  "face it where it saw the point. May be given many times; @FILE holds one place a "
+		  "line. Where neither the inputs nor this option say, the place is taken from which the "
+		  "points lie as densely as one scanner's beams do, if there is one; none takes none" },
 	{ "capture", 0, NULL, OPTION_CHOICE, FOR(ALBEDO), AT(capture), .choice = capture_name,
 	  .group = "Scene",
 	  .help = "in what light the photographs were taken: that of --light, a flash at the scanner, "

@@ -63,11 +63,15 @@ static gw_status read_lines(settings *s, const input_file *in, gw_error *error)
 gw_status scanner_text_add(settings *s, const char *text, gw_error *error)
 {
 	double place[3];
+	if (strcmp(text, "none") == 0) {
+		settings_set_scanner_none(s);
+		return GW_OK;
+	}
 	if (text[0] != '@' || !text[1]) {
 		if (!read_place(text, strlen(text), place))
 			return gw_fail(error, GW_ERROR_USAGE,
-						   "is '%.80s', but must be X,Y,Z in metres, or @FILE with one place a "
-						   "line",
+						   "is '%.80s', but must be X,Y,Z in metres, @FILE with one place a "
+						   "line, or none",
 						   text);
 		return settings_add_scanner(s, place, error);
 	}

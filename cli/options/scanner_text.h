@@ -1,5 +1,6 @@
 /*
- * scanner_text.h - where scanners stood, from text: "1,2,1.5", or "@FILE" for a list of places.
+ * scanner_text.h - where scanners stood, from text: "1,2,1.5", "@FILE" for a list of places, or
+ * "none".
  */
 #ifndef SCANNER_TEXT_H
 #define SCANNER_TEXT_H
@@ -9,7 +10,7 @@
 /*
  * Adds what a text says to settings->scanner: X,Y,Z in metres, or @ and the name of a file with one
  * place a line, its numbers with commas or blanks between them; empty lines and what stands behind
- * # do not count.
+ * # do not count. none says that nobody knows, and no place is taken.
  * GW_ERROR_USAGE for a text that is no place, GW_ERROR_DATA with file and line, or as
  * input_file_open.
  */

@@ -155,12 +155,20 @@ gw_status settings_read_luminaires(settings *s, gw_error *error)
 
 gw_status settings_add_scanner(settings *s, const double place[3], gw_error *error)
 {
+	if (s->scanner_none)
+		return GW_OK;
 	double *grown = growing_table_room(s->scanner, s->scanner_count, 3 * sizeof *grown);
 	if (!grown)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the list of scanners");
 	s->scanner = grown;
 	memcpy(grown + 3 * s->scanner_count++, place, 3 * sizeof *place);
 	return GW_OK;
+}
+
+void settings_set_scanner_none(settings *s)
+{
+	s->scanner_count = 0;
+	s->scanner_none = true;
 }
 
 gw_status settings_add_path(settings *s, motion_path *path, size_t *number, gw_error *error)

@@ -219,6 +219,7 @@ typedef struct settings {
 	double *scanner; /* owned; 3 * scanner_count, metres: where scanners stood, whatever the
 						inputs say */
 	size_t scanner_count;
+	bool scanner_none; /* nobody knows where scanners stood, whatever the inputs say */
 	motion_path *path; /* owned; path_count */
 	size_t path_count;
 	uint32_t frame_count; /* 0: the scene says nothing of frames */
@@ -288,6 +289,9 @@ gw_status settings_read_luminaires(settings *settings, gw_error *error);
 
 /* Adds the place of a scanner, metres, in the scene's coordinates. */
 gw_status settings_add_scanner(settings *settings, const double place[3], gw_error *error);
+
+/* Says that nobody knows where scanners stood: no place is taken, neither before nor after. */
+void settings_set_scanner_none(settings *settings);
 
 /* Adds a path, which then belongs to the settings; its number, from 1, goes to *number. */
 gw_status settings_add_path(settings *settings, motion_path *path, size_t *number, gw_error *error);

@@ -6,6 +6,7 @@
 #include "points/scan_color.h"
 #include "points/scan_opacity.h"
 #include "points/scan_splats.h"
+#include "points/scan_origin.h"
 #include "points/scan_rows.h"
 #include "points/scan_intensity.h"
 #include "points/scan_join.h"
@@ -264,7 +265,9 @@ static gw_status read_file(const settings *s, const settings_input *from, scan *
 		return gw_fail(error, GW_ERROR_DATA, "%s holds no points",
 					   loaded_scene_input_name(from->path));
 	/* Of several inputs, others may know better which way is up. */
-	return scan_find_rows(cloud, from->has_matrix || s->input_count > 1, error);
+	GW_TRY(scan_find_rows(cloud, from->has_matrix || s->input_count > 1, error));
+	bool said = s->scanner_count > 0 || s->scanner_none;
+	return said ? GW_OK : scan_find_origin(cloud, error);
 }
 
 /* Input i. A file that stands in several places is read once, and kept for the others. */
@@ -726,12 +729,14 @@ static gw_status place_scanners(loaded_scene *scene, gw_error *error)
 /* Scanners that the user names go before those of the files: who saw which point is then open. */
 static gw_status take_scanners(const settings *s, scan *cloud, gw_error *error)
 {
-	if (s->scanner_count == 0)
+	if (s->scanner_count == 0 && !s->scanner_none)
 		return GW_OK;
-	double *place = reallocarray(NULL, s->scanner_count, 3 * sizeof *place);
-	if (!place)
+	size_t size = 3 * s->scanner_count * sizeof(double);
+	double *place = size ? malloc(size) : NULL;
+	if (size && !place)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu scanners", s->scanner_count);
-	memcpy(place, s->scanner, 3 * s->scanner_count * sizeof *place);
+	if (size)
+		memcpy(place, s->scanner, size);
 	free(cloud->scanner);
 	free(cloud->scanner_of);
 	cloud->scanner = place;

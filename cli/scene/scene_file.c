@@ -695,6 +695,17 @@ static gw_status take_scanner(reader *r, json_t *value)
 	return settings_add_scanner(r->settings, place, r->error);
 }
 
+/* A list of places, or that nobody knows. */
+static gw_status take_scanners(reader *r, json_t *value)
+{
+	if (!json_is_string(value))
+		return take_list(r, value, take_scanner);
+	if (strcmp(json_string_value(value), "none") != 0)
+		return fail_here(r, "a list of places is needed, or \"none\"");
+	settings_set_scanner_none(r->settings);
+	return GW_OK;
+}
+
 static gw_status take_frame_count(const reader *r, json_t *value)
 {
 	json_int_t count = json_integer_value(value);
@@ -736,7 +747,7 @@ static gw_status take_member(reader *r, const char *key, json_t *value)
 	if (strcmp(key, "lights") == 0)
 		return take_list(r, value, take_light);
 	if (strcmp(key, "scanners") == 0)
-		return take_list(r, value, take_scanner);
+		return take_scanners(r, value);
 	if (strcmp(key, "frames") == 0)
 		return take_frame_count(r, value);
 	if (strcmp(key, "bake") == 0)

@@ -216,6 +216,8 @@ void scene_write_members(json_writer *json, const settings *s)
 	if (s->frame_count > 0)
 		json_put_count(json, "frames", s->frame_count);
 	write_lights(json, s);
+	if (s->scanner_none)
+		json_put_text(json, "scanners", "none");
 	if (s->scanner_count > 0)
 		json_put_open(json, "scanners", '[');
 	for (size_t i = 0; i < s->scanner_count; i++)

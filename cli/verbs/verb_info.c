@@ -1,6 +1,7 @@
 #include "verbs/verbs.h"
 #include "program/json_writer.h"
 #include "program/text_quote.h"
+#include "points/scan_origin.h"
 #include "points/scan_rows.h"
 #include "scene/floor_places.h"
 #include "scene/loaded_scene.h"
@@ -322,6 +323,8 @@ static gw_status describe_file(const settings *s, const char *path, gw_error *er
 	gw_status status = format_read_with(path, &options, &cloud, &f.format, error);
 	if (status == GW_OK)
 		status = scan_find_rows(&cloud, false, error);
+	if (status == GW_OK)
+		status = scan_find_origin(&cloud, error);
 	coordinates place = coordinates_metres();
 	gw_error reason = { 0 };
 	f.place = &place;

@@ -20,10 +20,40 @@ inwards --scanner=4,0.5,0.5 --scanner -4,0.5,0.5 --scanner 0.5,-4,0.5 --scanner 
 inwards --scanner @places.txt
 echo '{"version": 1, "inputs": [{"file": "box.xyz"}], "scanners": [[0.5, 0.5, 0.5]]}' >box.json
 glowworm bake box.json --light 'sky radiance 1' --print-scene | grep -A 2 scanners
+# A scan of which no more is known than its points: the place is told by their density. Of two scans
+# in one file none is.
+seen_from() { # x y z points
+	awk -v x="$1" -v y="$2" -v z="$3" -v n="$4" 'BEGIN { e[0] = x; e[1] = y; e[2] = z
+		for (i = 0; i < n; i++) { w[2] = 1 - (2 * i + 1) / n; r = sqrt(1 - w[2] * w[2]); t = 9
+			w[0] = r * cos(2.399963 * i); w[1] = r * sin(2.399963 * i)
+			for (k = 0; k < 3; k++) {
+				s = w[k] > 0 ? (1 - e[k]) / w[k] : e[k] / -w[k]; if (s < t) t = s }
+			print x + t * w[0], y + t * w[1], z + t * w[2] } }'
+}
+told() { # FILE, places that it was scanned from; 0.05: one neighbourhood of a thousand is wider
+	glowworm info "$1" | awk -v places="$2" '/ at / { at[++n] = $(NF - 2) "," $(NF - 1) "," $NF }
+		END { m = split(places, e, " "); ok = n == m
+		for (i = 1; i <= m; i++) { split(at[i], a, ","); split(e[i], b, ",")
+			for (k = 1; k <= 3; k++) ok = ok && (a[k] - b[k]) ^ 2 < 0.05 ^ 2 }
+		print (ok ? "found" : "not found") }'
+}
+seen_from 0.3 0.6 0.5 3000 >seen.xyz
+told seen.xyz 0.3,0.6,0.5
+{ seen_from 0.3 0.6 0.5 7000; seen_from 0.7 0.3 0.4 7000; } >both.xyz
+told both.xyz ''
+noted() { # options
+	glowworm bake seen.xyz "$@" --light 'sky radiance 1' -f -o lit.ply --quality draft \
+		--estimate-points 0 2>&1 | grep -c 'as densely as if one scanner'
+}
+noted
+noted --scanner none
+glowworm bake box.json --scanner none --light 'sky radiance 1' --print-scene >none.json
+grep scanners none.json
+glowworm bake none.json --print-scene | cmp - none.json
 # What is no place.
 printf '1,2,3\n1;2;3\n' >bad.txt
 echo '# none' >empty.txt
-for place in 1,2 1,2,3,4 1,2,nan @bad.txt @empty.txt @missing.txt @; do
+for place in 1,2 1,2,3,4 some 1,2,nan @bad.txt @empty.txt @missing.txt @; do
 	glowworm bake box.xyz --scanner $place --light 'sky radiance 1' -o out.ply 2>&1 &&
 		echo "it was taken"
 done
