@@ -4,7 +4,9 @@
 #include "base/luminance.h"
 #include "base/memory.h"
 #include "base/nth_element.h"
+#include "base/up_axis.h"
 #include "normals/patch_signs.h"
+#include "normals/seen_from_above.h"
 #include "normals/side_light.h"
 
 #include <math.h>
@@ -54,6 +56,15 @@
 /* A lamp is what emits on at least this share of its area. */
 #define LAMP_SHARE 0.5
 
+/* A surfel is smooth where the pairs with its neighbours agree so much on average. What was seen
+ * from above shows no smooth underside: of what is smooth in airborne scans less than one part in
+ * a hundred faces down as light alone has it, of things and rooms that are as wide a tenth or more.
+ */
+#define UNDERSIDE_SMOOTH 0.9
+#define UNDERSIDES_MOST 0.03
+/* Normals that rise or fall by less than that are of walls, which do not face up. */
+#define LEVEL 0.3
+
 /* Pairs of points across borders that are held at first. */
 #define BORDERS 65536
 
@@ -95,6 +106,7 @@ typedef struct orientation_work {
 	double *own;      /* patch_count: what a patch says by itself */
 	int8_t *other;    /* patch_count: another choice of signs */
 	int8_t *by_angle; /* patch_count: that if creases say the less the sharper they are */
+	bool from_above;  /* all of it was seen from above: it has its front up */
 	double *ratio;    /* patch_count: of the group of that number, in the other choice */
 	uint32_t *group;  /* patch_count */
 } orientation_work;
@@ -605,6 +617,68 @@ static void turn_lamps(orientation_work *w)
 		w->now.groups[i].doubtful &= lamp_side(w->now.groups + i) == 0;
 }
 
+/* ------------------------------------------------------------------------------------ from above
+ */
+
+/* By how much a surfel's front rises, in [-1, 1]. */
+static double rise(const orientation_work *w, size_t surfel)
+{
+	double up[3], sum = 0;
+	gw_up_axis(w->surfels->up, up);
+	for (size_t k = 0; k < 3; k++)
+		sum += up[k] * (double)w->surfels->normal[3 * surfel + k];
+	return w->opposite[surfel] != (w->now.sign[w->patch[surfel]] < 0) ? -sum : sum;
+}
+
+static bool is_smooth(const orientation_work *w, size_t surfel)
+{
+	int sum = 0;
+	for (size_t j = 0; j < GW_NEIGHBOURS; j++)
+		sum += abs(w->agreement[GW_NEIGHBOURS * surfel + j]);
+	return sum >= UNDERSIDE_SMOOTH * AGREED * GW_NEIGHBOURS;
+}
+
+/* Is so little of what is smooth an underside that it was put there by mistake? */
+static bool has_no_underside(const orientation_work *w)
+{
+	size_t smooth = 0, down = 0;
+	for (size_t i = 0; i < w->surfels->count; i++) {
+		bool counts = is_smooth(w, i);
+		smooth += counts;
+		down += counts && rise(w, i) < -LEVEL;
+	}
+	return (double)down <= UNDERSIDES_MOST * (double)smooth;
+}
+
+/* Does nobody but the light say which side of a patch is its front? */
+static bool is_open_to_light(const orientation_work *w, size_t patch)
+{
+	const patch_group *g = w->now.groups + w->group[patch];
+	return g->given == 0 && (!w->surfels->emission || lamp_side(g) == 0);
+}
+
+/* Turns what hangs together and faces down for the most part. */
+static void turn_groups_up(orientation_work *w)
+{
+	memset(w->own, 0, w->patch_count * sizeof *w->own);
+	for (size_t i = 0; i < w->surfels->count; i++)
+		w->own[w->group[w->patch[i]]] += rise(w, i) * (double)w->area[i];
+	for (size_t i = 0; i < w->patch_count; i++)
+		if (is_open_to_light(w, i) && w->own[w->group[i]] < 0)
+			w->now.sign[i] = (int8_t)-w->now.sign[i];
+}
+
+/* Of ground that was seen from above alone all has its front up: leaves and rims of roofs, whose
+ * planes are so rough that neighbours do not tell, one by one; walls as what they hang on. */
+static gw_status turn_up(orientation_work *w, gw_error *error)
+{
+	GW_TRY(gw_is_one_wide_layer(w->surfels, w->area, &w->from_above, error));
+	w->from_above = w->from_above && has_no_underside(w);
+	if (w->from_above)
+		turn_groups_up(w);
+	return GW_OK;
+}
+
 static gw_status orient_patches(orientation_work *w, const uint8_t *estimated, gw_error *error)
 {
 	if (!allocate_patches(w))
@@ -618,7 +692,7 @@ static gw_status orient_patches(orientation_work *w, const uint8_t *estimated, g
 		take_sky(w);
 	doubt_closed(w);
 	turn_lamps(w);
-	return GW_OK;
+	return turn_up(w, error);
 }
 
 /* Was a side taken because it may be a room's? There the light of the other one is no substitute:
@@ -634,11 +708,15 @@ static void turn_normals(orientation_work *w, const uint8_t *estimated, uint8_t 
 	gw_surfels *s = w->surfels;
 	for (size_t i = 0; i < s->count; i++) {
 		uint32_t patch = w->patch[i];
-		if (estimated[i] && (w->now.groups[w->group[patch]].doubtful || w->now.disputed[patch]))
+		double rises = w->from_above && is_open_to_light(w, patch) ? rise(w, i) : 0;
+		bool against = w->opposite[i] != (w->now.sign[patch] < 0);
+		doubtful[i] = 0;
+		if (fabs(rises) > LEVEL)
+			against ^= rises < 0;
+		else if (estimated[i] &&
+				 (w->now.groups[w->group[patch]].doubtful || w->now.disputed[patch]))
 			doubtful[i] = is_room(w, patch) && !w->now.disputed[patch] ? 1 : GW_SIDE_UNCLEAR;
-		else
-			doubtful[i] = 0;
-		for (size_t k = 0; estimated[i] && w->opposite[i] != (w->now.sign[patch] < 0) && k < 3; k++)
+		for (size_t k = 0; estimated[i] && against && k < 3; k++)
 			s->normal[3 * i + k] = -s->normal[3 * i + k];
 	}
 }

@@ -18,6 +18,8 @@
  * black, unless a lamp stands within; and so is what is closed, large enough to stand in, and lit
  * from outside alone, since a room looks the same as a thing from there.
  *
+ * Of ground that was seen from above alone (seen_from_above.h) all has its front up, but walls.
+ *
  * Parts that touch the rest in a few places, as a thing does the floor that it stands on, are
  * turned against it where their light says so and their borders say less.
  *

@@ -329,6 +329,104 @@ static void test_ground(void **state)
 	free(c);
 }
 
+/* The faces of a box, but for one, so many points a square metre; facing 1: outwards. */
+static void add_box(cloud *c, double density, const double box[2][3], int without, double facing)
+{
+	for (int number = 0; number < 6; number++) {
+		int axis = number / 2, end = number % 2;
+		double from[3], to[3], area = 1;
+		for (int k = 0; k < 3; k++) {
+			from[k] = box[axis == k && end][k];
+			to[k] = box[axis != k || end][k];
+			area *= axis == k ? 1 : box[1][k] - box[0][k];
+		}
+		if (number != without)
+			add_face(c, (size_t)(density * area),
+					 &(face){ from, to, axis, end ? facing : -facing, false });
+	}
+}
+
+/* Points that fill a ball at random, as leaves do. */
+static void add_crown(cloud *c, size_t count, const double centre[3], uint64_t *random)
+{
+	static const double up[3] = { 0, 0, 1 };
+	while (count > 0) {
+		double p[3], squared = 0;
+		for (int k = 0; k < 3; k++) {
+			p[k] = 2 * next_random(random) - 1;
+			squared += p[k] * p[k];
+			p[k] = centre[k] + 2 * p[k];
+		}
+		if (squared > 1)
+			continue;
+		add(c, p, up);
+		count--;
+	}
+}
+
+/* The share of surfels that rise or fall at all whose front is up; all points count as bare. */
+static double share_up(const cloud *c, const gw_light *light)
+{
+	const gw_points points = { .count = c->count, .position = c->position };
+	const gw_surfels_options options = { .lights = light, .light_count = 1 };
+	gw_surfels s;
+	gw_error error;
+	size_t up = 0, down = 0;
+	assert_ok(gw_surfels_make(&points, &options, &s, &error), &error);
+	for (size_t i = 0; i < s.count; i++) {
+		up += s.normal[3 * i + 2] > 0.3f;
+		down += s.normal[3 * i + 2] < -0.3f;
+	}
+	assert_true(up + down > s.count / 2);
+	gw_surfels_clear(&s);
+	return (double)up / (double)(up + down);
+}
+
+/* A wood as an airborne scanner sees it, 4 points a square metre: leaves have no planes that their
+ * neighbours agree with, and still nobody has seen their undersides. */
+static void test_wood_from_above(void **state)
+{
+	(void)state;
+	const double low[3] = { 0 }, high[3] = { 40, 40, 0 };
+	const gw_light lamp = lamp_at(20, 20, 30);
+	uint64_t random = 3;
+	cloud *c = new_cloud();
+	add_face(c, 6400, &(face){ low, high, 2, 1, false });
+	for (int i = 0; i < 30; i++) {
+		double x = 40 * next_random(&random), y = 40 * next_random(&random);
+		add_crown(c, 40, (double[3]){ x, y, 9 }, &random);
+	}
+	assert_true(share_up(c, &sky) == 1);
+	assert_true(share_up(c, &sun) == 1);
+	assert_true(share_up(c, &lamp) == 1);
+	free(c);
+}
+
+/* A tank on wide ground, scanned from all around, has an underside however far apart points are. */
+static void test_wide_underside(void **state)
+{
+	(void)state;
+	const double low[3] = { -20, -20, 0 }, high[3] = { 20, 20, 0 }, centre[3] = { 0, 0, 9 };
+	cloud *c = new_cloud();
+	add_face(c, 6400, &(face){ low, high, 2, 1, false });
+	add_ball(c, 1800, centre, 6, 1);
+	assert_right(c, &sky, "a tank under the sky");
+	assert_right(c, &sun, "a tank in the sun");
+	free(c);
+}
+
+/* Nor does the ceiling of a wide hall face up, or its floor down. */
+static void test_wide_hall(void **state)
+{
+	(void)state;
+	const double hall[2][3] = { { 0, 0, 0 }, { 40, 30, 8 } };
+	const gw_light lamp = lamp_at(20, 15, 6);
+	cloud *c = new_cloud();
+	add_box(c, 2, hall, -1, -1);
+	assert_right(c, &lamp, "a wide hall");
+	free(c);
+}
+
 /* Ground across any axis that is said to point up. */
 static void test_up(void **state)
 {
@@ -345,23 +443,6 @@ static void test_up(void **state)
 		assert_true(right_share(c, &sky, false, &untrusted) > 0.995);
 		assert_int_equal(untrusted, 0);
 		free(c);
-	}
-}
-
-/* The faces of a box, but for one, so many points a square metre; facing 1: outwards. */
-static void add_box(cloud *c, double density, const double box[2][3], int without, double facing)
-{
-	for (int number = 0; number < 6; number++) {
-		int axis = number / 2, end = number % 2;
-		double from[3], to[3], area = 1;
-		for (int k = 0; k < 3; k++) {
-			from[k] = box[axis == k && end][k];
-			to[k] = box[axis != k || end][k];
-			area *= axis == k ? 1 : box[1][k] - box[0][k];
-		}
-		if (number != without)
-			add_face(c, (size_t)(density * area),
-					 &(face){ from, to, axis, end ? facing : -facing, false });
 	}
 }
 
@@ -850,6 +931,9 @@ int main(void)
 		cmocka_unit_test(test_room),
 		cmocka_unit_test(test_thing_on_floor),
 		cmocka_unit_test(test_ground),
+		cmocka_unit_test(test_wood_from_above),
+		cmocka_unit_test(test_wide_underside),
+		cmocka_unit_test(test_wide_hall),
 		cmocka_unit_test(test_lamps_of_points),
 		cmocka_unit_test(test_sheet_is_doubtful),
 		cmocka_unit_test(test_backs),
