@@ -7,6 +7,7 @@
 #include "base/up_axis.h"
 #include "normals/patch_signs.h"
 #include "normals/seen_from_above.h"
+#include "normals/shells.h"
 #include "normals/side_light.h"
 
 #include <math.h>
@@ -76,6 +77,7 @@ typedef struct patch_group {
 	double area;      /* m^2, of all surfels */
 	double emitting;  /* of that, what emits */
 	bool doubtful;
+	bool holds; /* others lie within it, on its front's side */
 } patch_group;
 
 /* Fronts of patches, chosen by some light; patch_count each. */
@@ -100,6 +102,8 @@ typedef struct orientation_work {
 	size_t border_count, border_room;
 	bool alike; /* what borders at creases say is made more like what others say */
 	size_t patch_count;
+	gw_side_sight *sights; /* what rays from patches meet */
+	size_t sight_count;
 	choice now;       /* by the lamps, the sun and the sky that there are */
 	choice by_sky;    /* the same if a sky shone alone */
 	double *given;    /* patch_count: normals that were given, for its sign less those against it */
@@ -274,7 +278,11 @@ static gw_status find_light(orientation_work *w, const uint8_t *estimated, gw_si
 	limit_areas(w);
 	for (size_t i = 0; i < w->surfels->count; i++)
 		w->given[w->patch[i]] += estimated[i] ? 0 : w->opposite[i] ? -1 : 1;
-	return gw_side_light_find(w->options, w->surfels, &patches, w->now.light, by_sky, error);
+	gw_side_lights found = { .light = w->now.light, .by_sky = by_sky };
+	gw_status status = gw_side_light_find(w->options, w->surfels, &patches, &found, error);
+	w->sights = found.sights;
+	w->sight_count = found.sight_count;
+	return status;
 }
 
 static bool allocate_choice(choice *c, size_t count)
@@ -564,7 +572,7 @@ static void take_sky(orientation_work *w)
 static bool may_be_either(const patch_group *g)
 {
 	const gw_side_view *front = g->light.side, *back = front + 1;
-	if (g->given != 0)
+	if (g->given != 0 || g->holds)
 		return false;
 	if (is_closed(front))
 		return front->lit * REACHED < back->lit;
@@ -575,6 +583,43 @@ static void doubt_closed(orientation_work *w)
 {
 	for (size_t i = 0; i < w->patch_count; i++)
 		w->now.disputed[i] |= may_be_either(w->now.groups + w->group[i]);
+}
+
+/* Turns a group to the side on which others lie within it. */
+static void turn_shell(patch_group *g, int8_t holds)
+{
+	g->holds = g->given == 0 && holds != 0;
+	if (!g->holds)
+		return;
+	g->doubtful = false;
+	if (holds < 0) {
+		gw_side_view front = g->light.side[0];
+		double factor = g->factor[0];
+		g->light.side[0] = g->light.side[1];
+		g->light.side[1] = front;
+		g->factor[0] = g->factor[1];
+		g->factor[1] = factor;
+	}
+}
+
+/* A shell that holds other pieces of surface is a room, whatever light it is in. */
+static gw_status turn_shells(orientation_work *w, gw_error *error)
+{
+	size_t count = w->patch_count;
+	int8_t *holds = w->other;
+	for (size_t i = 0; i < count; i++)
+		w->ratio[i] = w->now.groups[i].light.side[0].area;
+	GW_TRY(gw_find_shells(&(gw_pieces){ count, w->group, w->now.sign, w->ratio }, w->sights,
+						  w->sight_count, holds, error));
+	for (size_t i = 0; i < count; i++)
+		turn_shell(w->now.groups + i, holds[i]);
+	for (size_t i = 0; i < count; i++) {
+		if (!w->now.groups[w->group[i]].holds)
+			continue;
+		w->now.disputed[i] = false;
+		w->now.sign[i] = holds[w->group[i]] < 0 ? (int8_t)-w->now.sign[i] : w->now.sign[i];
+	}
+	return GW_OK;
 }
 
 static void sum_emitting(orientation_work *w)
@@ -690,6 +735,7 @@ static gw_status orient_patches(orientation_work *w, const uint8_t *estimated, g
 	GW_TRY(decide(w, error));
 	if (lamps)
 		take_sky(w);
+	GW_TRY(turn_shells(w, error));
 	doubt_closed(w);
 	turn_lamps(w);
 	return turn_up(w, error);
@@ -753,6 +799,7 @@ static void release(orientation_work *w)
 	free(w->opposite);
 	free(w->patch);
 	free(w->borders);
+	free(w->sights);
 	free_choice(&w->now);
 	free_choice(&w->by_sky);
 	free(w->given);

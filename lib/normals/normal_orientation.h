@@ -18,6 +18,9 @@
  * black, unless a lamp stands within; and so is what is closed, large enough to stand in, and lit
  * from outside alone, since a room looks the same as a thing from there.
  *
+ * What others lie within, from which they see hardly anything else, is a room and shows its inside
+ * in any light (shells.h).
+ *
  * Of ground that was seen from above alone (seen_from_above.h) all has its front up, but walls.
  *
  * Parts that touch the rest in a few places, as a thing does the floor that it stands on, are

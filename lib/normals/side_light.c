@@ -94,6 +94,7 @@ typedef struct place {
 	double path[2];      /* sum of the logarithms of the rays' lengths, to what they meet */
 	double dark_path[2]; /* sum of the lengths of those that end where nothing emits, metres */
 	uint32_t met[2], down[2], down_met[2]; /* rays */
+	float log_length[2][RAYS];             /* of rays that meet a disc */
 	uint32_t end[2][RAYS];                 /* 2 * disc + side, TO_SKY or TO_DARK */
 } place;
 
@@ -313,6 +314,7 @@ static void shoot(const side_work *w, place *p, size_t number, bool back)
 		}
 		bool from_behind = gw_dot(w->disc[disc].normal, from.direction) > 0.0f;
 		p->end[back][ray] = 2 * disc + from_behind;
+		p->log_length[back][ray] = logf(length);
 		p->path[back] += log((double)length);
 		p->dark_path[back] += w->blocks[disc].radiance > 0.0f ? 0.0 : (double)length;
 		p->shone[back] |= w->blocks[disc].radiance > 0.0f;
@@ -475,8 +477,32 @@ static void leave_sky(side_work *w)
 		w->blocks[i].radiance = 0.0f;
 }
 
-static gw_status find_light(side_work *w, gw_side_light *light, gw_side_light *by_sky,
-							gw_error *error)
+/* What the ray of a place meets, if that has a place of its own. */
+static bool find_sight(const side_work *w, const place *p, uint32_t number, gw_side_sight *sight)
+{
+	uint32_t side = number / RAYS, ray = number % RAYS, end = p->end[side][ray];
+	if (end == TO_DARK || end == TO_SKY || w->blocks[end / 2].place == GW_NONE)
+		return false;
+	*sight = (gw_side_sight){ .from = 2 * p->patch + side,
+							  .to = 2 * w->places[w->blocks[end / 2].place].patch + end % 2,
+							  .area = p->area / (float)RAYS,
+							  .path = p->log_length[side][ray] };
+	return true;
+}
+
+static gw_status find_sights(const side_work *w, gw_side_lights *found, gw_error *error)
+{
+	found->sights = gw_allocate_array(2 * RAYS * w->place_count, sizeof *found->sights);
+	if (!found->sights)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for what %zu places see", w->place_count);
+	for (size_t i = 0; i < w->place_count; i++)
+		for (uint32_t number = 0; number < 2 * RAYS; number++)
+			found->sight_count +=
+				find_sight(w, w->places + i, number, found->sights + found->sight_count);
+	return GW_OK;
+}
+
+static gw_status find_light(side_work *w, gw_side_lights *found, gw_error *error)
 {
 	find_sky(w);
 	find_frame(w);
@@ -484,21 +510,21 @@ static gw_status find_light(side_work *w, gw_side_light *light, gw_side_light *b
 	GW_TRY(gw_disc_tree_build(w->disc, w->disc_count, &w->tree, error));
 	GW_TRY(look_around_all(w, error));
 	reflect(w);
-	add_up(w, light);
-	if (by_sky) {
+	add_up(w, found->light);
+	GW_TRY(find_sights(w, found, error));
+	if (found->by_sky) {
 		leave_sky(w);
 		reflect(w);
-		add_up(w, by_sky);
+		add_up(w, found->by_sky);
 	}
 	return GW_OK;
 }
 
 gw_status gw_side_light_find(const gw_surfels_options *options, const gw_surfels *surfels,
-							 const gw_patches *patches, gw_side_light *light, gw_side_light *by_sky,
-							 gw_error *error)
+							 const gw_patches *patches, gw_side_lights *found, gw_error *error)
 {
 	side_work w = { .options = options, .surfels = surfels, .patches = patches };
-	gw_status status = find_light(&w, light, by_sky, error);
+	gw_status status = find_light(&w, found, error);
 	gw_disc_tree_clear(&w.tree);
 	free(w.disc);
 	free(w.blocks);

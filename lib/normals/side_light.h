@@ -50,6 +50,21 @@ typedef struct gw_side_light {
 	gw_side_view side[2];
 } gw_side_light;
 
+/* A ray from one side of a patch that meets a side of another one, or of itself. */
+typedef struct gw_side_sight {
+	uint32_t from, to; /* twice the patch, plus 1 for the side that its normals do not point to */
+	float area;        /* m^2, that it stands for */
+	float path;        /* logarithm of its length, metres */
+} gw_side_sight;
+
+/* What is found: of light and by_sky patches->count each. */
+typedef struct gw_side_lights {
+	gw_side_light *light;  /* receives the light that there is */
+	gw_side_light *by_sky; /* receives the same as if an even sky shone alone; or NULL */
+	gw_side_sight *sights; /* receives what rays meet; to be freed by the caller, on failure too */
+	size_t sight_count;
+} gw_side_lights;
+
 /* By what the light on one side of a surface, of as much as hangs together, is to be multiplied
  * because it may be a room's: 1 or more. */
 double gw_side_factor(const gw_side_view *side);
@@ -60,13 +75,11 @@ double gw_side_factor(const gw_side_view *side);
  *             nothing emits, the sky shines
  *   surfels   position, normal and emission of all
  *   patches   with arrays of surfels->count elements
- *   light     patches->count; receives the result
- *   by_sky    patches->count; receives the same as if an even sky shone, and nothing else; or NULL
+ *   found     receives the result
  * Fails with GW_ERROR_MEMORY or GW_ERROR_CANCELLED. The result does not depend on threads.
  */
 gw_status gw_side_light_find(const gw_surfels_options *options, const gw_surfels *surfels,
-							 const gw_patches *patches, gw_side_light *light, gw_side_light *by_sky,
-							 gw_error *error);
+							 const gw_patches *patches, gw_side_lights *found, gw_error *error);
 
 /* Does nothing shine but a sky, which is taken as even here, or nothing at all? */
 bool gw_side_light_is_sky(const gw_surfels_options *options, const gw_surfels *surfels);

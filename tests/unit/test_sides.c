@@ -2,6 +2,7 @@
 #include "expected.h"
 #include "cloud/surfels.h"
 #include "normals/patch_signs.h"
+#include "normals/shells.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -466,6 +467,28 @@ static void test_open_room(void **state)
 	}
 }
 
+/* A room without a front wall in which blocks hang on cords: they lie within the walls, and so
+ * these face inwards, also where all the light there is falls on their outside. */
+static void test_room_that_holds_blocks(void **state)
+{
+	(void)state;
+	const double room[2][3] = { { 0 }, { 3, 3, 2.7 } };
+	const double high[2][3] = { { 0.6, 1.6, 0.4 }, { 1.4, 2.4, 2 } };
+	const double low[2][3] = { { 1.8, 0.7, 0.4 }, { 2.5, 1.4, 1.1 } };
+	const gw_light behind = { .type = GW_LIGHT_SUN,
+							  .direction = { 0.3, -0.8, -0.5 },
+							  .irradiance = { 3, 3, 3 } };
+	uint64_t untrusted;
+	cloud *c = new_cloud();
+	add_box(c, 200, room, 2, -1);
+	add_box(c, 200, high, -1, 1);
+	add_box(c, 200, low, -1, 1);
+	assert_right(c, &behind, "a room that holds blocks, in the sun from behind");
+	assert_true(right_share(c, &sky, false, &untrusted) > 0.995);
+	assert_int_equal(untrusted, 0);
+	free(c);
+}
+
 /* A house without its back, into which the sun shines: more falls on what is inside than on the
  * roof and one wall, but of a sky it is the other way. */
 static void test_house_without_back(void **state)
@@ -723,6 +746,44 @@ static void test_given_away_from_scanner(void **state)
 	free(c);
 }
 
+/* What a shell of 100 m^2 and a piece within it see of each other, in metres away. */
+typedef struct shell_case {
+	double piece;    /* m^2 */
+	uint32_t side;   /* of the shell, that the piece sees from its front */
+	float away;      /* from the piece to it; across the shell it is 4 m */
+	float share[2];  /* of what the piece and what the shell see there */
+	int8_t expected; /* on which side of the shell things lie */
+} shell_case;
+
+/* Which side of a shell others lie on: not where they are small, as near as layers of one surface,
+ * see little of it, or where it encloses little. */
+static void test_shells(void **state)
+{
+	static const shell_case cases[] = {
+		{ 20, 0, 2, { 0.8f, 0.9f }, 1 }, { 20, 1, 2, { 0.8f, 0.9f }, -1 },
+		{ 5, 1, 2, { 0.8f, 0.9f }, 0 },  { 20, 1, 0.2f, { 0.8f, 0.9f }, 0 },
+		{ 20, 1, 2, { 0.4f, 0.9f }, 0 }, { 20, 1, 2, { 0.8f, 0.6f }, 0 },
+	};
+	static const uint32_t piece_of[2] = { 0, 1 };
+	static const int8_t sign[2] = { 1, -1 };
+	(void)state;
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		const shell_case *c = cases + i;
+		const double area[2] = { 100, c->piece };
+		/* The sign of patch 1 is negative: its front is the side of its end 3. */
+		const gw_side_sight sights[2] = {
+			{ 3, c->side, c->share[0] * (float)c->piece, logf(c->away) },
+			{ c->side, c->side, c->share[1] * 100, logf(4) },
+		};
+		int8_t holds[2];
+		gw_error error;
+		assert_ok(gw_find_shells(&(gw_pieces){ 2, piece_of, sign, area }, sights, 2, holds, &error),
+				  &error);
+		assert_int_equal(holds[0], c->expected);
+		assert_int_equal(holds[1], 0);
+	}
+}
+
 /* Two strips of patches, each joined well, and the strips by one patch's border alone: what the
  * second strip says about itself turns it against the first, and what a single patch says does not
  * turn that. */
@@ -939,11 +1000,13 @@ int main(void)
 		cmocka_unit_test(test_backs),
 		cmocka_unit_test(test_up),
 		cmocka_unit_test(test_open_room),
+		cmocka_unit_test(test_room_that_holds_blocks),
 		cmocka_unit_test(test_cave_with_mouth),
 		cmocka_unit_test(test_house_without_back),
 		cmocka_unit_test(test_lit_on_other_side),
 		cmocka_unit_test(test_lamp_in_open_room),
 		cmocka_unit_test(test_given_away_from_scanner),
+		cmocka_unit_test(test_shells),
 		cmocka_unit_test(test_patches_turn),
 		cmocka_unit_test(test_patches_join),
 	};
