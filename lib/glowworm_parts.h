@@ -57,6 +57,32 @@ void gw_lit_surface_report(const gw_lit_surface *surface, uint64_t all, gw_repor
 /* Frees it; *surface becomes NULL. NULL is accepted. */
 void gw_lit_surface_close(gw_lit_surface **surface);
 
+/* Where bytes go, and where they come from, in order; what the calls return is handed on. */
+typedef struct gw_byte_sink {
+	gw_status (*write)(void *user, const void *bytes, size_t length, gw_error *error);
+	void *user;
+} gw_byte_sink;
+
+typedef struct gw_byte_source {
+	gw_status (*read)(void *user, void *bytes, size_t length, gw_error *error);
+	void *user;
+} gw_byte_source;
+
+/*
+ * Hands on the light of points as bytes, for another process of the same version on the same kind
+ * of machine: that of gw_bake, or of a surface, with its report, but without voxels and volume.
+ */
+gw_status gw_bake_result_save(const gw_bake_result *result, const gw_byte_sink *to,
+							  gw_error *error);
+
+/*
+ * Makes of such bytes the result that they were. Whether they are whole is for the caller to know,
+ * who keeps a checksum of them: of numbers of points only the sizes are looked at.
+ *   result   to be given back with gw_bake_result_destroy; NULL on failure
+ * Fails with GW_ERROR_DATA where they are of another version, with GW_ERROR_MEMORY.
+ */
+gw_status gw_bake_result_load(const gw_byte_source *from, gw_bake_result **result, gw_error *error);
+
 #ifdef __GNUC__
 #pragma GCC visibility pop
 #endif

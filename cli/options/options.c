@@ -241,6 +241,11 @@ const option options[] = {
 	{ "force", 'f', NULL, OPTION_FLAG, QUIETLY,
 	  FOR(BAKE | SAMPLE | COMPARE | TRADEOFF | MIX | CONVERT | RENDER | ALBEDO | LAMP | PROBES),
 	  AT(force), .group = "Output", .help = "overwrite files that exist" },
+	{ "resume", 0, NULL, OPTION_FLAG, QUIETLY, FOR(BAKE), AT(resume), .group = "Output",
+	  .help =
+		  "of a cloud that is baked by parts (--memory): keep what is done beside the output, in "
+		  "FILE.part and FILE.resume, when the bake is stopped or killed, and go on with it when "
+		  "the same command is given again" },
 	{ "vdb", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(BAKE | PLAN), AT(vdb), .group = "Output",
 	  .help = "write the voxels as OpenVDB grids: density, radiance, color, emission, normal" },
 	{ "vdb-half", 0, NULL, OPTION_FLAG, QUIETLY, FOR(BAKE | PLAN), AT(vdb_half), .group = "Output",

@@ -245,7 +245,8 @@ typedef struct settings {
 	const char *output, *vdb, *vdb_sh, *report, *format, *columns, *output_format;
 	float vdb_voxel; /* metres; 0: the octree's cells */
 	settings_render render;
-	bool vdb_half, vdb_points, force, quiet, verbose, explain, profile, print_scene, json, devices;
+	bool vdb_half, vdb_points, force, resume, quiet, verbose, explain, profile, print_scene, json,
+		devices;
 	bool places;
 	bool help;
 	const char *csv, *svg;                     /* of tradeoff */

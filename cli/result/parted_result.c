@@ -6,8 +6,13 @@
 #include "result/lit_scan.h"
 #include "scene/glossy_points.h"
 
+#include <time.h>
+
 /* Parts by which is told how far points are from those that were baked. */
 #define PARTS_MEASURED 8u
+
+/* Seconds after which what was written is handed to the disk. */
+#define SYNC_SECONDS 1
 
 /* A part and its light. */
 typedef struct lit_part {
@@ -22,29 +27,64 @@ static void clear(lit_part *p)
 }
 
 /* To be cleared also on failure. */
-static gw_status light_part(const parted_result *r, uint64_t first, lit_part *p, gw_error *error)
+static gw_status light_part(const parted_result *r, uint64_t number, lit_part *p, gw_error *error)
 {
 	*p = (lit_part){ .light = NULL };
-	GW_TRY(loaded_scene_read_part(r->settings, r->scene, first, &p->scene, error));
+	GW_TRY(loaded_scene_read_part(r->settings, r->scene, number, &p->scene, error));
 	glossy_points_apply(r->settings, &p->scene);
 	GW_TRY(gw_lit_surface_light(r->surface, &p->scene.points.points, &p->light, error));
 	return signals_check(error);
 }
 
-gw_status parted_result_open(parted_result *r, gw_error *error)
+/* ------------------------------------------------------------------------------------ the light */
+
+gw_status parted_result_load(const loaded_scene *scene, gw_bake_result **light, gw_error *error)
 {
-	uint64_t count = r->scene->parted->file.count, step = count / PARTS_MEASURED;
-	GW_TRY(gw_lit_surface_open(&r->scene->points.points, r->light, &r->settings->bake, &r->surface,
-							   error));
-	for (uint64_t first = 0, points = 0; first<count; first += points> step ? points : step) {
+	journal_file *journal = scene->parted->journal;
+	const gw_byte_source from = { journal_file_read, journal };
+	bool there;
+	*light = NULL;
+	GW_TRY(journal_file_begin(journal, "light", &there, error));
+	if (!there)
+		return GW_OK;
+	gw_status status = gw_bake_result_load(&from, light, error);
+	if (status == GW_OK)
+		status = journal_file_end(journal, error);
+	if (status == GW_OK && (*light)->count != scene->cloud.count)
+		status = gw_fail(error, GW_ERROR_DATA, "%s has the light of other points",
+						 journal_file_name(journal));
+	if (status != GW_OK)
+		gw_bake_result_destroy(light);
+	return status;
+}
+
+static gw_status measure(parted_result *r, gw_error *error)
+{
+	uint64_t parts = parted_cloud_parts(r->scene->parted);
+	uint64_t step = parts > PARTS_MEASURED ? parts / PARTS_MEASURED : 1;
+	for (uint64_t number = 0; number < parts; number += step) {
 		lit_part p;
-		gw_status status = light_part(r, first, &p, error);
-		points = p.scene.cloud.count;
+		gw_status status = light_part(r, number, &p, error);
 		clear(&p);
 		GW_TRY(status);
 	}
-	gw_lit_surface_report(r->surface, count, &r->light->report);
+	gw_lit_surface_report(r->surface, r->scene->parted->file.count, &r->light->report);
 	return GW_OK;
+}
+
+gw_status parted_result_open(parted_result *r, gw_error *error)
+{
+	journal_file *journal = r->scene->parted->journal;
+	const gw_byte_sink to = { journal_file_write, journal };
+	GW_TRY(gw_lit_surface_open(&r->scene->points.points, r->light, &r->settings->bake, &r->surface,
+							   error));
+	if (r->loaded)
+		return GW_OK;
+	GW_TRY(measure(r, error));
+	if (!journal)
+		return GW_OK;
+	GW_TRY(gw_bake_result_save(r->light, &to, error));
+	return journal_file_end(journal, error);
 }
 
 void parted_result_close(parted_result *r)
@@ -52,37 +92,139 @@ void parted_result_close(parted_result *r)
 	gw_lit_surface_close(&r->surface);
 }
 
-/* Takes the part's columns. */
-static gw_status write_part(const parted_result *r, const settings *s, lit_part *p, bool first,
-							output_file *out, gw_error *error)
+/* ------------------------------------------------------------------------------------ the points
+ */
+
+/* What writing a part takes. */
+typedef struct writer {
+	const parted_result *result;
+	settings settings; /* with the exposure; nothing of it is freed */
+	output_file *out;
+	uint64_t head, row;      /* bytes of the file's head and of a point; 0: not known yet */
+	time_t synced;           /* when what was written went to the disk */
+	uint64_t parts, written; /* parts that are to be written, and are */
+} writer;
+
+static gw_status start(const parted_result *r, output_file *out, double *exposure, writer *w,
+					   gw_error *error)
 {
-	double exposure;
-	scan lit;
+	*w = (writer){ .result = r,
+				   .settings = *r->settings,
+				   .out = out,
+				   .parts = parted_cloud_parts(r->scene->parted),
+				   .synced = time(NULL) };
+	GW_TRY(lit_scan_meter(r->scene, r->light, r->settings, exposure, error));
+	w->settings.exposure = (float)*exposure;
+	return GW_OK;
+}
+
+static gw_status write_head(const writer *w, const scan *lit, gw_error *error)
+{
+	const parted_result *r = w->result;
 	const format_rows all = { .count = r->scene->parted->file.count };
-	GW_TRY(lit_scan_make(&p->scene, p->light, s, &lit, &exposure, error));
-	gw_status status = first ? r->format->write_head(out, &all, &lit, error) : GW_OK;
+	return r->format->write_head(w->out, &all, lit, error);
+}
+
+/* Takes the part's columns.
+ *   use   writes them */
+static gw_status write_part(writer *w, uint64_t number,
+							gw_status (*use)(writer *w, uint64_t number, const scan *lit,
+											 gw_error *error),
+							gw_error *error)
+{
+	lit_part p;
+	double exposure;
+	scan lit = { 0 };
+	gw_status status = light_part(w->result, number, &p, error);
 	if (status == GW_OK)
-		status = r->format->write_rows(out, &lit, error);
+		status = lit_scan_make(&p.scene, p.light, &w->settings, &lit, &exposure, error);
+	if (status == GW_OK)
+		status = use(w, number, &lit, error);
 	scan_clear(&lit);
-	return status;
+	clear(&p);
+	GW_TRY(status);
+	w->written++;
+	progress_show(w->result->progress, "write", (double)w->written / (double)w->parts);
+	return GW_OK;
+}
+
+static gw_status append(writer *w, uint64_t number, const scan *lit, gw_error *error)
+{
+	if (number == 0)
+		GW_TRY(write_head(w, lit, error));
+	return w->result->format->write_rows(w->out, lit, error);
 }
 
 gw_status parted_result_write(const parted_result *r, output_file *out, double *exposure,
 							  gw_error *error)
 {
-	settings s = *r->settings; /* nothing of it is freed */
-	uint64_t count = r->scene->parted->file.count;
-	GW_TRY(lit_scan_meter(r->scene, r->light, r->settings, exposure, error));
-	s.exposure = (float)*exposure;
-	for (uint64_t first = 0, points = 0; first < count; first += points) {
-		lit_part p;
-		gw_status status = light_part(r, first, &p, error);
-		points = p.scene.cloud.count;
-		if (status == GW_OK)
-			status = write_part(r, &s, &p, first == 0, out, error);
-		clear(&p);
-		GW_TRY(status);
-		progress_show(r->progress, "write", (double)(first + points) / (double)count);
+	writer w;
+	GW_TRY(start(r, out, exposure, &w, error));
+	for (uint64_t number = 0; number < w.parts; number++)
+		GW_TRY(write_part(&w, number, append, error));
+	return GW_OK;
+}
+
+/* ---------------------------------------------------------------------- those that are not written
+ */
+
+/* How long the head and a row are, by the first part of this run; and so how long the file. */
+static gw_status measure_file(writer *w, const scan *lit, gw_error *error)
+{
+	checksum sum;
+	w->row = 0;
+	for (size_t c = 0; c < lit->column_count; c++)
+		w->row += scan_type_size(lit->column[c].type);
+	GW_TRY(output_file_seek(w->out, 0, error));
+	GW_TRY(write_head(w, lit, error));
+	GW_TRY(output_file_written(w->out, &sum, error));
+	w->head = sum.length;
+	return output_file_resize(w->out, w->head + w->row * w->result->scene->parted->file.count,
+							  error);
+}
+
+/* What fails together with the machine is not to be more than what was written since. */
+static gw_status sync_sometimes(writer *w, gw_error *error)
+{
+	time_t now = time(NULL);
+	if (now < w->synced + SYNC_SECONDS)
+		return GW_OK;
+	w->synced = now;
+	GW_TRY(output_file_sync(w->out, error));
+	return journal_file_sync(w->result->scene->parted->journal, error);
+}
+
+/* The head belongs to the first part. */
+static gw_status put_in_place(writer *w, uint64_t number, const scan *lit, gw_error *error)
+{
+	const parted_cloud *parted = w->result->scene->parted;
+	checksum sum;
+	if (w->row == 0)
+		GW_TRY(measure_file(w, lit, error));
+	uint64_t before = number * parted->part, at = number > 0 ? w->head + w->row * before : 0;
+	GW_TRY(output_file_seek(w->out, at, error));
+	GW_TRY(append(w, number, lit, error));
+	GW_TRY(output_file_written(w->out, &sum, error));
+	const journal_slot slot = { at, sum.length, checksum_value(&sum) };
+	GW_TRY(journal_file_put(parted->journal, number, &slot, error));
+	return sync_sometimes(w, error);
+}
+
+gw_status parted_result_go_on(const parted_result *r, output_file *out, double *exposure,
+							  gw_error *error)
+{
+	writer w;
+	journal_slot slot;
+	journal_file *journal = r->scene->parted->journal;
+	GW_TRY(start(r, out, exposure, &w, error));
+	GW_TRY(journal_file_slots(journal, w.parts, error));
+	for (uint64_t number = 0; number < w.parts; number++) {
+		GW_TRY(signals_check(error));
+		if (journal_file_get(journal, number, &slot) &&
+			output_file_holds(out, slot.offset, slot.length, slot.value))
+			w.written++;
+		else
+			GW_TRY(write_part(&w, number, put_in_place, error));
 	}
 	return GW_OK;
 }

@@ -17,10 +17,16 @@ typedef struct parted_result {
 	const format *format;      /* of the results */
 	progress *progress;
 	gw_lit_surface *surface; /* NULL; of parted_result_open */
+	bool loaded;             /* the light is that of parted_result_load */
 } parted_result;
+
+/* The light of the points that were baked, where the journal of the scene's cloud has it; else
+ * NULL. Fails like journal_file_begin and gw_bake_result_load. */
+gw_status parted_result_load(const loaded_scene *scene, gw_bake_result **light, gw_error *error);
 
 /* Makes ready to light all points, and completes the report: how many there are, and the error of
  * what lies between those that were baked, as some parts of the cloud, spread over the file, tell.
+ * A journal then has the light. Light that was loaded is complete.
  *   result   to be given back with parted_result_close, also on failure */
 gw_status parted_result_open(parted_result *result, gw_error *error);
 void parted_result_close(parted_result *result);
@@ -30,6 +36,13 @@ void parted_result_close(parted_result *result);
  *   exposure   receives the exposure value of the preview
  */
 gw_status parted_result_write(const parted_result *result, output_file *out, double *exposure,
+							  gw_error *error);
+
+/*
+ * The same where a journal keeps account: parts that it says are written, and are, stay.
+ *   out   of output_file_create_lasting
+ */
+gw_status parted_result_go_on(const parted_result *result, output_file *out, double *exposure,
 							  gw_error *error);
 
 #endif

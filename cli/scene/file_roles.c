@@ -1,6 +1,8 @@
 #include "scene/file_roles.h"
 #include "files/growing_table.h"
+#include "files/output_file.h"
 #include "meshes/mesh.h"
+#include "scene/bake_journal.h"
 #include "scene/scene_file.h"
 
 #include <stdlib.h>
@@ -169,6 +171,10 @@ static gw_status add_outputs(roles *r, const file_series *series, gw_error *erro
 								 s->picture };
 	for (size_t i = 0; i < sizeof path / sizeof *path; i++)
 		GW_TRY(add(r, path[i], true, error));
+	if (s->resume && s->output) {
+		GW_TRY(take(r, output_file_beside(s->output, OUTPUT_FILE_PART), true, error));
+		GW_TRY(take(r, output_file_beside(s->output, BAKE_JOURNAL_NAME), true, error));
+	}
 	for (size_t i = 0; series && i < series->count; i++)
 		GW_TRY(take(r, series->name(series->user, i), true, error));
 	return GW_OK;

@@ -798,7 +798,7 @@ gw_status loaded_scene_read_parted(const settings *s, parted_cloud *parted, load
 	return GW_OK;
 }
 
-gw_status loaded_scene_read_part(const settings *s, const loaded_scene *whole, uint64_t first,
+gw_status loaded_scene_read_part(const settings *s, const loaded_scene *whole, uint64_t number,
 								 loaded_scene *scene, gw_error *error)
 {
 	settings of_part = *s; /* nothing of it is freed */
@@ -807,7 +807,7 @@ gw_status loaded_scene_read_part(const settings *s, const loaded_scene *whole, u
 	of_part.points.threads = s->bake.threads;
 	of_part.points.told = &whole->parted->told;
 	*scene = (loaded_scene){ .up = whole->up, .place = whole->place };
-	gw_status status = parted_cloud_read(whole->parted, first, &p.cloud, error);
+	gw_status status = parted_cloud_read(whole->parted, number, &p.cloud, error);
 	if (status == GW_OK)
 		status = finish_part(&of_part, &s->input[0], &p, &facts, error);
 	scene->cloud = p.cloud;

@@ -60,11 +60,11 @@ void loaded_scene_clear(loaded_scene *scene);
 gw_status loaded_scene_read_parted(const settings *settings, parted_cloud *parted,
 								   loaded_scene *scene, gw_error *error);
 
-/* The points of such a cloud from `first` on, as many as parted_cloud_read brings; of the scene
- * that was read of it the part has the axis that is up and the units.
- *   scene   to be given back with loaded_scene_clear_part, which leaves the other one alone */
+/* The points of a part of such a cloud, as parted_cloud_read brings them; of the scene that was
+ * read of it the part has the axis that is up and the units. scene   to be given back with
+ * loaded_scene_clear_part, which leaves the other one alone */
 gw_status loaded_scene_read_part(const settings *settings, const loaded_scene *whole,
-								 uint64_t first, loaded_scene *scene, gw_error *error);
+								 uint64_t number, loaded_scene *scene, gw_error *error);
 void loaded_scene_clear_part(loaded_scene *scene);
 
 /* Whether an input is sampled: it is asked for as a mesh, or its name is a mesh's, it has faces,

@@ -2,14 +2,18 @@
 #include "scene/parted_cloud.h"
 
 #include "glowworm_host.h"
+#include "points/scan_bytes.h"
 #include "points/scan_thinning.h"
 #include "program/signals.h"
 
 #include <string.h>
 #include <sys/stat.h>
 
-/* Points that are read at once. */
-#define PART_POINTS ((size_t)1 << 18)
+/* Points that are read at once: such that some parts are there of small clouds too, for those who
+ * go on where others ended. */
+#define PART_LEAST ((size_t)1 << 14)
+#define PART_MOST ((size_t)1 << 18)
+#define PARTS_WANTED 16u
 
 /* Bytes of a point that is kept, whose surface, octree and records are made, with 100 for its
  * columns, and of the program and its driver; such that gw_surface_points_most finds room for all
@@ -65,16 +69,36 @@ gw_status parted_cloud_open(const settings *s, const format *output, parted_clou
 	if (!asks_for_points_alone(s, output) || !is_one_file(s))
 		return GW_OK;
 	GW_TRY(format_parts_open(s->input[0].path, &options, &parted->file, error));
-	if (parted->file.found)
-		parted->most = points_for(memory_for(s), parted->file.count);
+	if (!parted->file.found)
+		return GW_OK;
+	uint64_t part = parted->file.count / PARTS_WANTED;
+	parted->part = part < PART_LEAST ? PART_LEAST : part < PART_MOST ? (size_t)part : PART_MOST;
+	parted->most = points_for(memory_for(s), parted->file.count);
 	return GW_OK;
+}
+
+gw_status parted_cloud_keep(parted_cloud *parted, const settings *s, const bake_journal_use *use,
+							gw_error *error)
+{
+	bake_journal journal = { .most = parted->most };
+	GW_TRY(bake_journal_open(use, s, &parted->file, &journal, error));
+	parted->journal = journal.file;
+	parted->most = journal.most;
+	parted->begun = journal.begun;
+	return GW_OK;
+}
+
+static gw_status read_points(parted_cloud *parted, uint64_t first, size_t count, scan *cloud,
+							 gw_error *error)
+{
+	return format_parts_read(&parted->file, first, count, cloud, error);
 }
 
 static gw_status thin(parted_cloud *parted, scan_thinning *thinning, gw_error *error)
 {
-	for (uint64_t first = 0; first < parted->file.count; first += PART_POINTS) {
+	for (uint64_t first = 0; first < parted->file.count; first += PART_MOST) {
 		scan part;
-		GW_TRY(parted_cloud_read(parted, first, &part, error));
+		GW_TRY(read_points(parted, first, PART_MOST, &part, error));
 		gw_status status = scan_thinning_add(thinning, &part, error);
 		scan_clear(&part);
 		GW_TRY(status);
@@ -83,10 +107,10 @@ static gw_status thin(parted_cloud *parted, scan_thinning *thinning, gw_error *e
 	return GW_OK;
 }
 
-gw_status parted_cloud_thin(parted_cloud *parted, scan *cloud, gw_error *error)
+/* Reads the file once. */
+static gw_status choose(parted_cloud *parted, scan *cloud, gw_error *error)
 {
 	scan_thinning thinning = scan_thinning_begin(parted->most);
-	*cloud = (scan){ 0 };
 	gw_status status = thin(parted, &thinning, error);
 	if (status == GW_OK)
 		scan_thinning_take(&thinning, cloud);
@@ -94,6 +118,28 @@ gw_status parted_cloud_thin(parted_cloud *parted, scan *cloud, gw_error *error)
 	if (status == GW_OK && cloud->count == 0)
 		status = gw_fail(error, GW_ERROR_DATA, "%s has no point whose place is finite",
 						 parted->file.in.name);
+	return status;
+}
+
+/* The same, or what the journal has of it. */
+static gw_status choose_or_load(parted_cloud *parted, scan *cloud, gw_error *error)
+{
+	journal_file *journal = parted->journal;
+	const gw_byte_sink to = { journal_file_write, journal };
+	const gw_byte_source from = { journal_file_read, journal };
+	bool there;
+	GW_TRY(journal_file_begin(journal, "kept", &there, error));
+	GW_TRY(there ? scan_bytes_load(&from, cloud, error) : choose(parted, cloud, error));
+	if (!there)
+		GW_TRY(scan_bytes_save(cloud, &to, error));
+	return journal_file_end(journal, error);
+}
+
+gw_status parted_cloud_thin(parted_cloud *parted, scan *cloud, gw_error *error)
+{
+	*cloud = (scan){ 0 };
+	gw_status status =
+		parted->journal ? choose_or_load(parted, cloud, error) : choose(parted, cloud, error);
 	if (status == GW_OK)
 		status = scan_told_find(cloud, &parted->told, error);
 	if (status != GW_OK)
@@ -101,9 +147,14 @@ gw_status parted_cloud_thin(parted_cloud *parted, scan *cloud, gw_error *error)
 	return status;
 }
 
-gw_status parted_cloud_read(parted_cloud *parted, uint64_t first, scan *cloud, gw_error *error)
+uint64_t parted_cloud_parts(const parted_cloud *parted)
 {
-	return format_parts_read(&parted->file, first, PART_POINTS, cloud, error);
+	return (parted->file.count + parted->part - 1) / parted->part;
+}
+
+gw_status parted_cloud_read(parted_cloud *parted, uint64_t part, scan *cloud, gw_error *error)
+{
+	return read_points(parted, part * parted->part, parted->part, cloud, error);
 }
 
 void parted_cloud_close(parted_cloud *parted)

@@ -5,14 +5,17 @@
 #ifndef PARTED_CLOUD_H
 #define PARTED_CLOUD_H
 
-#include "options/settings.h"
 #include "points/scan_told.h"
+#include "scene/bake_journal.h"
 #include "table/format_parts.h"
 
 typedef struct parted_cloud {
 	format_parts file;
-	size_t most;    /* points that may be kept; 0: all of them fit, and are read as usual */
-	scan_told told; /* after parted_cloud_thin: what the columns' values tell */
+	size_t most;           /* points that may be kept; 0: all of them fit, and are read as usual */
+	size_t part;           /* points that are read at once */
+	scan_told told;        /* after parted_cloud_thin: what the columns' values tell */
+	journal_file *journal; /* NULL; or that of parted_cloud_keep, closed by who opened it */
+	bool begun;            /* another run began it */
 } parted_cloud;
 
 /*
@@ -25,13 +28,22 @@ typedef struct parted_cloud {
 gw_status parted_cloud_open(const settings *settings, const format *output, parted_cloud *parted,
 							gw_error *error);
 
-/* Keeps some of the points. GW_ERROR_DATA, GW_ERROR_MEMORY, GW_ERROR_CANCELLED.
- *   cloud   to be freed with scan_clear; empty on failure */
+/*
+ * Keeps account of the bake in a journal, with which parted_cloud_thin then begins: where another
+ * run began it, points are kept as there. Not for a cloud that cannot be read in parts.
+ * Fails like bake_journal_open.
+ */
+gw_status parted_cloud_keep(parted_cloud *parted, const settings *settings,
+							const bake_journal_use *use, gw_error *error);
+
+/* Keeps some of the points, or takes those of the journal. GW_ERROR_DATA, GW_ERROR_MEMORY,
+ * GW_ERROR_CANCELLED. cloud   to be freed with scan_clear; empty on failure */
 gw_status parted_cloud_thin(parted_cloud *parted, scan *cloud, gw_error *error);
 
-/* Some thousand points from `first` on, of which there is one at least.
+/* The points of part number `part`, of which there are parted_cloud_parts.
  *   cloud   to be freed with scan_clear; empty on failure */
-gw_status parted_cloud_read(parted_cloud *parted, uint64_t first, scan *cloud, gw_error *error);
+gw_status parted_cloud_read(parted_cloud *parted, uint64_t part, scan *cloud, gw_error *error);
+uint64_t parted_cloud_parts(const parted_cloud *parted);
 
 void parted_cloud_close(parted_cloud *parted);
 

@@ -25,6 +25,7 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <time.h>
+#include <unistd.h>
 
 /* All that lives as long as one bake. */
 typedef struct bake {
@@ -81,6 +82,21 @@ static gw_status check_streams(const settings *s, gw_error *error)
 	return stream_roles_check_outputs(out, sizeof out / sizeof *out, error);
 }
 
+/* What is kept of a bake are its points. */
+static gw_status check_resume(const settings *s, gw_error *error)
+{
+	if (!s->resume)
+		return GW_OK;
+	if (!s->output || strcmp(s->output, "-") == 0)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "--resume needs -o FILE, beside which it keeps what is done");
+	if (s->vdb || s->vdb_sh || s->frames)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "--resume goes on with points alone: leave %s out, or --resume",
+					   s->frames ? "--frames" : "the grids");
+	return GW_OK;
+}
+
 static gw_status check(bake *b)
 {
 	const settings *s = b->settings;
@@ -100,6 +116,7 @@ static gw_status check(bake *b)
 		return gw_fail(b->error, GW_ERROR_USAGE, "--vdb-points needs --vdb FILE");
 	if (s->vdb_voxel > 0.0f && !s->vdb)
 		return gw_fail(b->error, GW_ERROR_USAGE, "--vdb-voxel needs --vdb FILE");
+	GW_TRY(check_resume(s, b->error));
 	GW_TRY(check_units(s, b->error));
 	GW_TRY(region_text_check(s, b->error));
 	GW_TRY(check_streams(s, b->error));
@@ -128,7 +145,10 @@ static gw_status open_outputs(bake *b)
 {
 	const settings *s = b->settings;
 	if (s->output && !s->frames)
-		GW_TRY(output_file_create(&b->output, s->output, s->force, b->error));
+		GW_TRY(s->resume ? output_file_check(s->output, s->force, b->error)
+						 : output_file_create(&b->output, s->output, s->force, b->error));
+	if (s->output && !s->frames && !s->resume)
+		GW_TRY(bake_journal_left(s, b->error));
 	if (s->report)
 		GW_TRY(output_file_create(&b->report, s->report, s->force, b->error));
 	if (s->save_transport)
@@ -216,12 +236,48 @@ static void note_inputs(const bake *b)
 						"luminance\n");
 }
 
+/* What is done of a bake by parts is kept beside the output, where another run of it may have
+ * begun. The name of the journal is `path`. */
+static gw_status open_account(bake *b, const char *path)
+{
+	const settings *s = b->settings;
+	const bake_journal_use use = { .path = path, .owner = true, .keep = true };
+	bool there = access(path, F_OK) == 0;
+	if (!b->parted.file.found || (b->parted.most == 0 && !there)) {
+		if (!s->quiet)
+			fprintf(stderr,
+					"glowworm: note: --resume keeps nothing of this bake: it is of all points "
+					"at once, not by parts\n");
+		return output_file_create(&b->output, s->output, s->force, b->error);
+	}
+	GW_TRY(parted_cloud_keep(&b->parted, s, &use, b->error));
+	GW_TRY(output_file_create_lasting(&b->output, s->output, s->force, true, b->error));
+	if (!b->parted.begun)
+		return output_file_resize(b->output, 0, b->error);
+	if (!s->quiet)
+		text_message(stderr, "glowworm: note: the bake goes on with %s\n", path);
+	return GW_OK;
+}
+
+static gw_status keep_account(bake *b)
+{
+	if (!b->settings->resume)
+		return GW_OK;
+	char *path = output_file_beside(b->settings->output, BAKE_JOURNAL_NAME);
+	gw_status status = path
+						   ? open_account(b, path)
+						   : gw_fail(b->error, GW_ERROR_MEMORY, "no memory for the name of a file");
+	free(path);
+	return status;
+}
+
 static gw_status read_inputs(bake *b)
 {
 	double start = now();
 	progress_show(&b->progress, "read", 0.0);
 	GW_TRY(parted_cloud_open(b->settings, b->settings->frames ? NULL : b->format, &b->parted,
 							 b->error));
+	GW_TRY(keep_account(b));
 	parted_cloud *parted = b->parted.most > 0 ? &b->parted : NULL;
 	gw_status status = loaded_scene_read_parted(b->settings, parted, &b->scene, b->error);
 	if (status == GW_OK)
@@ -264,6 +320,8 @@ static gw_status check_results(const bake *b)
 		return GW_OK;
 	GW_TRY(b->format->accept ? b->format->accept(&b->scene.cloud, s->output, b->error) : GW_OK);
 	row = b->format->row_bytes ? b->format->row_bytes : b->format->text ? 2 * columns : row;
+	if (b->parted.begun) /* what is there takes room already */
+		return GW_OK;
 	/* Of frames, at least one. */
 	uint64_t count = b->scene.parted ? b->parted.file.count : b->scene.cloud.count;
 	return output_file_check_room(s->output, (uint64_t)row * count, b->error);
@@ -318,6 +376,11 @@ static gw_status write_transport(void *user, const void *bytes, size_t length, g
 static gw_status bake_points(bake *b, const gw_bake_options *options,
 							 const gw_bake_callbacks *callbacks)
 {
+	if (b->parted.journal)
+		GW_TRY(parted_result_load(&b->scene, &b->result, b->error));
+	b->all.loaded = b->result != NULL;
+	if (b->all.loaded)
+		return GW_OK;
 	loaded_scene *s = &b->scene;
 	scan_put_aside(&s->cloud, &s->points);
 	gw_status status =
@@ -359,7 +422,8 @@ static gw_status light_points(bake *b)
 							  .scene = &b->scene,
 							  .light = b->result,
 							  .format = b->format,
-							  .progress = &b->progress };
+							  .progress = &b->progress,
+							  .loaded = b->all.loaded };
 	return parted_result_open(&b->all, b->error);
 }
 
@@ -446,6 +510,8 @@ static gw_status write_grids(bake *b)
 
 static gw_status write_points(bake *b)
 {
+	if (b->parted.journal)
+		return parted_result_go_on(&b->all, b->output, &b->facts.exposure, b->error);
 	if (b->scene.parted)
 		return parted_result_write(&b->all, b->output, &b->facts.exposure, b->error);
 	GW_TRY(lit_scan_make(&b->scene, b->result, b->settings, &b->lit, &b->facts.exposure, b->error));
@@ -465,6 +531,7 @@ static gw_status write_outputs(bake *b, gw_status *grids)
 	GW_TRY(signals_check(b->error));
 	if (b->output)
 		GW_TRY(output_file_commit(&b->output, b->error));
+	journal_file_close(&b->parted.journal, true);
 	return b->transport ? output_file_commit(&b->transport, b->error) : GW_OK;
 }
 
@@ -567,6 +634,16 @@ static gw_status say_results(const bake *b)
 	return bake_report_goal(&b->facts, b->error);
 }
 
+/* What is done of a bake that failed. */
+static void say_what_is_kept(const bake *b)
+{
+	if (b->parted.journal && b->output && !b->settings->quiet)
+		text_message(stderr,
+					 "glowworm: note: what is done is kept in %s and %s; the same command goes on "
+					 "with it\n",
+					 output_file_temporary(b->output), journal_file_name(b->parted.journal));
+}
+
 gw_status verb_bake(settings *s, gw_error *error)
 {
 	bake b = { .settings = s,
@@ -577,6 +654,8 @@ gw_status verb_bake(settings *s, gw_error *error)
 	progress_end(&b.progress);
 	if (status == GW_OK && b.result)
 		status = say_results(&b);
+	say_what_is_kept(&b);
+	journal_file_close(&b.parted.journal, false);
 	output_file_abandon(&b.output);
 	output_file_abandon(&b.report);
 	output_file_abandon(&b.transport);

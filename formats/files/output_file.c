@@ -23,6 +23,9 @@ struct output_file {
 	char *target;    /* NULL when bytes go straight to their place */
 	char *temporary; /* as target */
 	bool force;
+	bool lasting, keep; /* see output_file_create_lasting */
+	bool registered;    /* the temporary file is one that signals remove */
+	checksum written;   /* of a lasting file, since output_file_seek */
 	int descriptor;
 	uint8_t *buffer;
 	size_t used;
@@ -45,7 +48,7 @@ typedef struct chunk {
 
 static chunk first_chunk;
 
-static bool register_temporary(char *path)
+bool output_file_register(char *path)
 {
 	for (chunk *c = &first_chunk;;) {
 		for (int i = 0; i < CHUNK_SLOTS; i++) {
@@ -68,7 +71,7 @@ static bool register_temporary(char *path)
 }
 
 /* True when the path is ours again; false when a handler took it. */
-static bool unregister_temporary(char *path)
+bool output_file_unregister(char *path)
 {
 	for (chunk *c = &first_chunk; c; c = atomic_load(&c->next)) {
 		for (int i = 0; i < CHUNK_SLOTS; i++) {
@@ -163,6 +166,51 @@ static bool lock_temporary(int descriptor)
 
 /* -------------------------------------------------------------------------------- the file */
 
+char *output_file_beside(const char *path, const char *behind)
+{
+	char *target = realpath(path, NULL), *name;
+	if (asprintf(&name, "%s%s", target ? target : path, behind) < 0)
+		name = NULL;
+	free(target);
+	return name;
+}
+
+/* Makes signals remove it, and its permissions those of the file that it will replace. */
+static gw_status adopt_temporary(output_file *out, const struct stat *replaced, gw_error *error)
+{
+	if (replaced)
+		(void)!fchmod(out->descriptor, replaced->st_mode & 0777);
+	out->registered = !out->keep && output_file_register(out->temporary);
+	if (!out->keep && !out->registered)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to write %s", out->name);
+	return GW_OK;
+}
+
+static void forget_temporary(output_file *out)
+{
+	if (!out->registered || output_file_unregister(out->temporary))
+		free(out->temporary);
+	out->temporary = NULL;
+}
+
+static gw_status fail_temporary(output_file *out, gw_error *error)
+{
+	int reason = errno;
+	free(out->temporary);
+	out->temporary = NULL;
+	return gw_fail(error, FILE_ERROR_CREATE, "cannot create %s: %s", out->name, strerror(reason));
+}
+
+/* Creates the file of the target's name and OUTPUT_FILE_PART, or takes the one that is there. */
+static gw_status open_lasting(output_file *out, const struct stat *replaced, gw_error *error)
+{
+	out->temporary = output_file_beside(out->target, OUTPUT_FILE_PART);
+	if (!out->temporary)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to write %s", out->name);
+	out->descriptor = open(out->temporary, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
+	return out->descriptor < 0 ? fail_temporary(out, error) : adopt_temporary(out, replaced, error);
+}
+
 /* Creates a file of a new name in the target's folder. Permissions are those of any new file (the
  * umask applies), or those of the file that will be replaced. */
 static gw_status create_temporary(output_file *out, const struct stat *replaced, gw_error *error)
@@ -181,18 +229,7 @@ static gw_status create_temporary(output_file *out, const struct stat *replaced,
 				 (long)getpid(), atomic_fetch_add(&serial, 1));
 		out->descriptor = open(out->temporary, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
 	} while (out->descriptor < 0 ? errno == EEXIST : !lock_temporary(out->descriptor));
-	if (out->descriptor < 0) {
-		int reason = errno;
-		free(out->temporary);
-		out->temporary = NULL;
-		return gw_fail(error, FILE_ERROR_CREATE, "cannot create %s: %s", out->name,
-					   strerror(reason));
-	}
-	if (replaced)
-		(void)!fchmod(out->descriptor, replaced->st_mode & 0777);
-	if (!register_temporary(out->temporary))
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory to write %s", out->name);
-	return GW_OK;
+	return out->descriptor < 0 ? fail_temporary(out, error) : adopt_temporary(out, replaced, error);
 }
 
 static gw_status open_directly(output_file *out, int descriptor, gw_error *error)
@@ -275,26 +312,33 @@ static gw_status open_target(output_file *out, const char *path, gw_error *error
 {
 	struct stat info;
 	target_kind kind;
-	if (strcmp(path, "-") == 0)
+	if (strcmp(path, "-") == 0 && !out->lasting)
 		return open_directly(out, fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 3), error);
 	GW_TRY(look(path, out->force, &kind, &info, error));
+	if (kind == TARGET_STREAM && out->lasting)
+		return gw_fail(error, FILE_ERROR_CREATE,
+					   "%s is no file, which alone can be written by parts", path);
 	if (kind == TARGET_STREAM)
 		return open_directly(out, open(path, O_WRONLY | O_CLOEXEC), error);
 	out->target = kind == TARGET_FILE ? realpath(path, NULL) : strdup(path);
 	if (!out->target)
 		return gw_fail(error, FILE_ERROR_CREATE, "cannot create %s: %s", out->name,
 					   strerror(errno));
-	return create_temporary(out, kind == TARGET_FILE ? &info : NULL, error);
+	const struct stat *replaced = kind == TARGET_FILE ? &info : NULL;
+	return out->lasting ? open_lasting(out, replaced, error)
+						: create_temporary(out, replaced, error);
 }
 
-gw_status output_file_create(output_file **out, const char *path, bool force, gw_error *error)
+/* How a file is opened: as the head of output_file says. */
+static gw_status create(output_file **out, const char *path, const output_file *how,
+						gw_error *error)
 {
 	*out = NULL;
 	output_file *file = calloc(1, sizeof *file);
 	if (!file)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory to write %s", path);
+	*file = *how;
 	file->descriptor = -1;
-	file->force = force;
 	file->name = strdup(strcmp(path, "-") == 0 ? "standard output" : path);
 	file->buffer = malloc(BUFFER_BYTES);
 	gw_status status;
@@ -308,6 +352,18 @@ gw_status output_file_create(output_file **out, const char *path, bool force, gw
 	}
 	*out = file;
 	return GW_OK;
+}
+
+gw_status output_file_create(output_file **out, const char *path, bool force, gw_error *error)
+{
+	return create(out, path, &(output_file){ .force = force }, error);
+}
+
+gw_status output_file_create_lasting(output_file **out, const char *path, bool force, bool keep,
+									 gw_error *error)
+{
+	return create(out, path, &(output_file){ .force = force, .lasting = true, .keep = keep },
+				  error);
 }
 
 /* ------------------------------------------------------------------------------- writing */
@@ -329,6 +385,8 @@ static void latch(output_file *out, int reason)
 
 static void write_through(output_file *out, const uint8_t *bytes, size_t length)
 {
+	if (out->lasting)
+		checksum_add(&out->written, bytes, length);
 	while (length > 0 && out->failure.status == GW_OK) {
 		ssize_t written = write(out->descriptor, bytes, length);
 		if (written < 0) {
@@ -380,6 +438,63 @@ gw_status output_file_print(output_file *out, gw_error *error, const char *forma
 	if (text != line)
 		free(text);
 	return status;
+}
+
+/* ------------------------------------------------------------------------------ lasting files */
+
+gw_status output_file_seek(output_file *out, uint64_t offset, gw_error *error)
+{
+	output_file_flush(out, NULL);
+	out->written = (checksum){ 0 };
+	if (out->failure.status == GW_OK && lseek(out->descriptor, (off_t)offset, SEEK_SET) < 0)
+		latch(out, errno);
+	return latched(out, error);
+}
+
+gw_status output_file_written(output_file *out, checksum *sum, gw_error *error)
+{
+	output_file_flush(out, NULL);
+	*sum = out->written;
+	return latched(out, error);
+}
+
+gw_status output_file_resize(output_file *out, uint64_t length, gw_error *error)
+{
+	output_file_flush(out, NULL);
+	if (out->failure.status == GW_OK && ftruncate(out->descriptor, (off_t)length) != 0)
+		latch(out, errno);
+	return latched(out, error);
+}
+
+bool output_file_holds(const output_file *out, uint64_t offset, uint64_t length, uint64_t value)
+{
+	checksum sum = { 0 };
+	uint8_t *bytes = malloc(BUFFER_BYTES);
+	while (bytes && sum.length < length) {
+		uint64_t left = length - sum.length;
+		ssize_t got = pread(out->descriptor, bytes, left < BUFFER_BYTES ? left : BUFFER_BYTES,
+							(off_t)(offset + sum.length));
+		if (got <= 0)
+			break;
+		checksum_add(&sum, bytes, (size_t)got);
+	}
+	free(bytes);
+	return sum.length == length && checksum_value(&sum) == value;
+}
+
+gw_status output_file_sync(output_file *out, gw_error *error)
+{
+	output_file_flush(out, NULL);
+	if (out->failure.status == GW_OK && fdatasync(out->descriptor) != 0)
+		latch(out, errno);
+	return latched(out, error);
+}
+
+void output_file_leave(output_file **out)
+{
+	if (*out)
+		(*out)->keep = true;
+	output_file_abandon(out);
 }
 
 const char *output_file_name(const output_file *out)
@@ -440,9 +555,7 @@ static gw_status rename_temporary(output_file *out, gw_error *error)
 	if (!done)
 		return gw_fail(error, FILE_ERROR_IO, "cannot rename %s to %s: %s", out->temporary,
 					   out->target, strerror(errno));
-	if (unregister_temporary(out->temporary))
-		free(out->temporary);
-	out->temporary = NULL;
+	forget_temporary(out);
 	return sync_folder(out, error);
 }
 
@@ -471,9 +584,9 @@ void output_file_abandon(output_file **out)
 	if (file->descriptor >= 0)
 		close(file->descriptor);
 	if (file->temporary) {
-		unlink(file->temporary);
-		if (unregister_temporary(file->temporary))
-			free(file->temporary);
+		if (!file->keep)
+			unlink(file->temporary);
+		forget_temporary(file);
 	}
 	free(file->target);
 	free(file->name);

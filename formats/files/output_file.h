@@ -16,9 +16,13 @@
 #ifndef OUTPUT_FILE_H
 #define OUTPUT_FILE_H
 
+#include "files/checksum.h"
 #include "files/file_status.h"
 
 typedef struct output_file output_file;
+
+/* What stands behind a target's name in that of a file that is to become it. */
+#define OUTPUT_FILE_PART ".part"
 
 /*
  * Starts an output.
@@ -32,6 +36,39 @@ typedef struct output_file output_file;
  *           to; GW_ERROR_MEMORY
  */
 gw_status output_file_create(output_file **out, const char *path, bool force, gw_error *error);
+
+/*
+ * Starts an output, or goes on with one, whose temporary file has the target's name and
+ * OUTPUT_FILE_PART behind it, and may outlast the process: who kept account of its bytes goes on
+ * where they end. Several processes may write different bytes of it.
+ *   keep   true: output_file_abandon leaves the file, and no signal removes it
+ * Fails like output_file_create, and for targets that cannot be renamed.
+ */
+gw_status output_file_create_lasting(output_file **out, const char *path, bool force, bool keep,
+									 gw_error *error);
+
+/* The name of a file beside the one that would be written, with something behind its name: of where
+ * a symbolic link leads. For free(); NULL: there was no memory. */
+char *output_file_beside(const char *path, const char *behind);
+
+/* Goes on at a place of a file of output_file_create_lasting, and begins a checksum of what is
+ * written from there on. */
+gw_status output_file_seek(output_file *out, uint64_t offset, gw_error *error);
+
+/* All bytes that were written since then, which are with the system now. */
+gw_status output_file_written(output_file *out, checksum *sum, gw_error *error);
+
+/* Makes such a file as long as it will be, or empty. */
+gw_status output_file_resize(output_file *out, uint64_t length, gw_error *error);
+
+/* Whether such a file holds bytes of a length and a checksum at a place. */
+bool output_file_holds(const output_file *out, uint64_t offset, uint64_t length, uint64_t value);
+
+/* Hands all bytes that were written to the disk. */
+gw_status output_file_sync(output_file *out, gw_error *error);
+
+/* Ends an output of which others go on: its file stays. */
+void output_file_leave(output_file **out);
 
 /* Whether a file could be started under a name, as far as its name and what is there say it. */
 gw_status output_file_check(const char *path, bool force, gw_error *error);
@@ -72,5 +109,10 @@ void output_file_abandon(output_file **out);
 /* Removes the temporary files of all outputs that are open. Async-signal-safe: for a handler that
  * ends the process. */
 void output_file_remove_temporaries(void);
+
+/* Has it remove another file, too; false when memory is short. The path is lent until
+ * output_file_unregister, which is false where a signal took it: it may not be freed then. */
+bool output_file_register(char *path);
+bool output_file_unregister(char *path);
 
 #endif

@@ -1,0 +1,80 @@
+# A bake by parts that was killed or stopped goes on with --resume: the same bytes as in one go, and
+# nothing left behind; what it would go on with has to be whole and of the same bake.
+# sanitize: no
+. "$SOURCE/tests/cli/shared_functions"
+glowworm info --devices >/dev/null 2>&1 || { echo "there is no Vulkan device"; exit 77; }
+make_cave --points 150000 -o cave.ply
+what="cave.ply --strays keep --effects lamps --memory 278M"
+lamp='point at 3.4,0,1.9 intensity 40'
+glowworm bake $what -q --light "$lamp" -o whole.ply
+# Begins, and is sent a signal when some parts are written. One that is too quick is begun again.
+stop_writing() { # signal options...
+	signal=$1
+	shift
+	for attempt in 1 2 3 4 5; do
+		rm -f lit.ply said
+		mkfifo said
+		glowworm bake $what --light "$lamp" -o lit.ply --progress json "$@" 2>said &
+		parts=0
+		while read -r line; do
+			case $line in
+			*'"write"'*) parts=$((parts + 1)) ;;
+			*kept*) echo "$line" ;;
+			esac
+			[ $parts -ne 4 ] || kill -s "$signal" $! 2>/dev/null
+		done <said
+		wait $! 2>/dev/null
+		[ -e lit.ply ] || return 0
+	done
+	echo "it was never stopped"
+}
+stop_writing KILL --resume
+ls lit.ply*
+cp lit.ply.resume killed.resume
+cp lit.ply.part killed.part
+glowworm bake $what --light "$lamp" -o lit.ply --resume --progress json 2>said.txt
+grep -o -e 'goes on with lit.ply.resume' -e '"octree"' said.txt
+cmp lit.ply whole.ply && ls lit.ply*
+# Stopped by the user: kept if asked for, else nothing is left.
+stop_writing INT --resume
+glowworm bake $what -q --light "$lamp" -o lit.ply --resume
+cmp lit.ply whole.ply && rm -f lit.ply
+stop_writing TERM
+ls -A | grep lit
+# A part that is not on the disk, and an account that was torn, are written again.
+take_up() { cp killed.resume lit.ply.resume && cp killed.part lit.ply.part; }
+damage() { # file offset
+	printf '\125\252\125' | dd of="$1" bs=1 seek="$2" conv=notrunc status=none
+}
+take_up
+damage lit.ply.part 200000
+truncate -s -40 lit.ply.resume
+glowworm bake $what -q --light "$lamp" -o lit.ply --resume
+cmp lit.ply whole.ply && rm -f lit.ply
+# Damage, other options, another input: refused.
+resume() { run "$@" --memory 278M --resume -q -o lit.ply; }
+take_up
+damage lit.ply.resume 100
+resume 65 bake ${what%--memory*} --light "$lamp"
+take_up
+damage lit.ply.resume 60000
+resume 65 bake ${what%--memory*} --light "$lamp"
+take_up
+resume 2 bake ${what%--memory*} --light 'sky radiance 2'
+run 2 bake $what --memory 300M --light "$lamp" --resume -q -o lit.ply
+touch -d '2001-02-03 04:05:06' cave.ply
+resume 2 bake ${what%--memory*} --light "$lamp" |
+	sed "s/ of [0-9]* bytes.*now/, now/
+		s/ of [0-9]* bytes.*sum [0-9a-f]*//"
+cmp lit.ply.resume killed.resume
+# What nobody goes on with is named, and removed by --force.
+make_cave --points 1000 -o few.ply
+bake_few() { run 0 bake few.ply --light "$lamp" --effects lamps -o lit.ply "$@" | grep note; }
+bake_few
+ls lit.ply*
+bake_few -f
+ls lit.ply*
+bake_few -f --resume
+# Where it could not keep anything.
+run 2 bake $what --light "$lamp" --resume -o -
+run 2 bake $what --light "$lamp" --resume -o grid.ply --vdb grid.vdb
