@@ -56,16 +56,19 @@ comma    := ,
 NO_UNKNOWN := $(if $(filter sanitize fuzz,$(config)),,-Wl$(comma)-z$(comma)defs)
 
 # OpenVDB takes 40 ms to load and PROJ 6, so that each is a shared object that is opened when a grid
-# is written or a file names a coordinate system. The run path is the old kind, which is also seen
-# when a sanitizer calls dlopen for us.
+# is written or a file names a coordinate system; so is MPI, which need not be there, when mpirun
+# starts several processes. The run path is the old kind, which is also seen when a sanitizer calls
+# dlopen for us.
 VDB_SOURCE      := formats/grids/vdb_grids.cpp
 PROJ_SOURCE     := formats/units/proj_system.c
-PLUGINS         := $(BUILD)/libglowworm-vdb.so $(BUILD)/libglowworm-proj.so
+MPI_SOURCE      := cli/program/mpi_ranks.c
+MPI             := $(shell pkg-config --exists ompi-c 2>/dev/null && echo ompi-c)
+PLUGINS         := $(addprefix $(BUILD)/libglowworm-,vdb.so proj.so $(if $(MPI),mpi.so))
 PLUGIN_RUN_PATH := -Wl,--disable-new-dtags,-rpath,'$$ORIGIN:$$ORIGIN/../lib/glowworm'
 
 LIB_SOURCES     := $(filter-out lib/light/kernel.cpp,$(wildcard lib/*/*.c lib/*/*.cpp))
 FORMATS_SOURCES := $(filter-out $(VDB_SOURCE) $(PROJ_SOURCE),$(wildcard formats/*/*.c formats/*/*.cpp))
-CLI_SOURCES     := $(wildcard cli/*/*.c)
+CLI_SOURCES     := $(filter-out $(MPI_SOURCE),$(wildcard cli/*/*.c))
 PUBLIC_HEADERS  := $(wildcard lib/*.h)
 objects          = $(addprefix $(BUILD)/,$(addsuffix .o,$(basename $(1))))
 SHADERS         := $(wildcard shaders/*/*.comp)
@@ -128,6 +131,11 @@ $(BUILD)/libglowworm-vdb.so: $(call objects,$(VDB_SOURCE))
 
 $(BUILD)/libglowworm-proj.so: $(call objects,$(PROJ_SOURCE))
 	$(CC) $(LDFLAGS) -shared -o $@ $^ -lproj -lm
+
+$(call objects,$(MPI_SOURCE)): OWN_FLAGS := $(if $(MPI),$(patsubst -I%,-isystem %,$(shell pkg-config --cflags $(MPI))))
+
+$(BUILD)/libglowworm-mpi.so: $(call objects,$(MPI_SOURCE))
+	$(CC) $(LDFLAGS) -shared -o $@ $^ $(shell pkg-config --libs $(MPI))
 
 $(BUILD)/libglowworm.a: $(LIB_OBJECTS)
 	@rm -f $@
@@ -314,7 +322,7 @@ valgrind: deps  ## small runs of every kind under valgrind: make valgrind FILES=
 
 # What clang's analyzer says of each file, kept until the file or what it includes changes.
 ANALYSED := $(patsubst %,$(BUILD)/analysis/%.txt,$(LIB_SOURCES) $(FORMATS_SOURCES) \
-	$(VDB_SOURCE) $(PROJ_SOURCE) $(CLI_SOURCES) $(wildcard samples/*.c))
+	$(VDB_SOURCE) $(PROJ_SOURCE) $(if $(MPI),$(MPI_SOURCE)) $(CLI_SOURCES) $(wildcard samples/*.c))
 ANALYSE   = clang --analyze -Xclang -analyzer-output=text -Xclang -analyzer-config \
 	-Xclang max-nodes=75000 $(filter -std=% -D% -I%,$(1)) \
 	$(addprefix -isystem ,$(filter /usr/include/%,$(1))) -MD -MP -MF $@.d -MT $@ -o $@.new $<

@@ -12,7 +12,7 @@
 /* Where the work asks too seldom, in libraries and drivers, it is ended after this. */
 #define PATIENCE_MICROSECONDS 500000
 
-static volatile sig_atomic_t pending;
+static volatile sig_atomic_t pending, hasty;
 
 static void end_now(void)
 {
@@ -25,6 +25,8 @@ static void handle(int signal)
 	if (pending)
 		end_now();
 	pending = signal;
+	if (hasty)
+		output_file_remove_temporaries();
 	/* Unlike timers made with timer_create, this one also works in a process that was forked. */
 	struct itimerval once = { .it_value = { .tv_usec = PATIENCE_MICROSECONDS } };
 	setitimer(ITIMER_REAL, &once, NULL);
@@ -72,6 +74,11 @@ void signals_install(void)
 	for (int fd = 0; fd <= 2; fd++)
 		if (fcntl(fd, F_GETFD) < 0 && open("/dev/null", O_RDONLY) != fd)
 			_exit(EXIT_CODE_INTERNAL);
+}
+
+void signals_expect_haste(void)
+{
+	hasty = 1;
 }
 
 int signals_pending(void)

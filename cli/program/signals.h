@@ -14,6 +14,9 @@
 /* Installs the handlers, and opens /dev/null where one of the three standard streams is closed. */
 void signals_install(void);
 
+/* Who asks to stop gives no time for it, as mpirun: files go at the first signal. */
+void signals_expect_haste(void);
+
 /* The signal that asked to stop, or 0. */
 int signals_pending(void);
 

@@ -102,7 +102,7 @@ typedef struct writer {
 	output_file *out;
 	uint64_t head, row;      /* bytes of the file's head and of a point; 0: not known yet */
 	time_t synced;           /* when what was written went to the disk */
-	uint64_t parts, written; /* parts that are to be written, and are */
+	uint64_t parts, written; /* parts that are to be written, and are, of all ranks */
 } writer;
 
 static gw_status start(const parted_result *r, output_file *out, double *exposure, writer *w,
@@ -143,8 +143,9 @@ static gw_status write_part(writer *w, uint64_t number,
 	scan_clear(&lit);
 	clear(&p);
 	GW_TRY(status);
-	w->written++;
-	progress_show(w->result->progress, "write", (double)w->written / (double)w->parts);
+	w->written += w->result->ranks.count; /* the others are as far */
+	double done = (double)w->written / (double)w->parts;
+	progress_show(w->result->progress, "write", done < 1.0 ? done : 1.0);
 	return GW_OK;
 }
 
@@ -218,13 +219,14 @@ gw_status parted_result_go_on(const parted_result *r, output_file *out, double *
 	journal_file *journal = r->scene->parted->journal;
 	GW_TRY(start(r, out, exposure, &w, error));
 	GW_TRY(journal_file_slots(journal, w.parts, error));
-	for (uint64_t number = 0; number < w.parts; number++) {
+	for (uint64_t number = r->ranks.rank; number < w.parts; number += r->ranks.count) {
 		GW_TRY(signals_check(error));
 		if (journal_file_get(journal, number, &slot) &&
 			output_file_holds(out, slot.offset, slot.length, slot.value))
-			w.written++;
+			w.written += r->ranks.count;
 		else
 			GW_TRY(write_part(&w, number, put_in_place, error));
 	}
-	return GW_OK;
+	GW_TRY(output_file_sync(out, error));
+	return ranks_wait(&r->ranks, error);
 }

@@ -8,6 +8,7 @@
 #include "files/output_file.h"
 #include "glowworm_parts.h"
 #include "options/progress.h"
+#include "program/ranks.h"
 #include "scene/loaded_scene.h"
 
 typedef struct parted_result {
@@ -18,6 +19,7 @@ typedef struct parted_result {
 	progress *progress;
 	gw_lit_surface *surface; /* NULL; of parted_result_open */
 	bool loaded;             /* the light is that of parted_result_load */
+	ranks ranks;             /* who share the parts */
 } parted_result;
 
 /* The light of the points that were baked, where the journal of the scene's cloud has it; else
@@ -39,7 +41,8 @@ gw_status parted_result_write(const parted_result *result, output_file *out, dou
 							  gw_error *error);
 
 /*
- * The same where a journal keeps account: parts that it says are written, and are, stay.
+ * The same where a journal keeps account: parts that it says are written, and are, stay. The others
+ * are written by the ranks in turn, each of which waits for all in the end.
  *   out   of output_file_create_lasting
  */
 gw_status parted_result_go_on(const parted_result *result, output_file *out, double *exposure,

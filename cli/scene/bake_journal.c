@@ -173,20 +173,32 @@ static gw_status remove_left(const char *journal, const char *part, gw_error *er
 	return GW_OK;
 }
 
-gw_status bake_journal_left(const settings *s, gw_error *error)
+static gw_status say_left(const settings *s, const char *journal, const char *part, bool needed,
+						  gw_error *error)
+{
+	static const char text[] =
+		"%s and %s are left of a bake that was stopped: --resume goes on with "
+		"it, --force removes them";
+	char *said;
+	if (needed)
+		return gw_fail(error, FILE_ERROR_CREATE, text, part, journal);
+	if (!s->quiet && asprintf(&said, text, part, journal) >= 0) {
+		text_message(stderr, "glowworm: note: %s\n", said);
+		free(said);
+	}
+	return GW_OK;
+}
+
+gw_status bake_journal_left(const settings *s, bool needed, gw_error *error)
 {
 	char *journal = output_file_beside(s->output, BAKE_JOURNAL_NAME);
 	char *part = output_file_beside(s->output, OUTPUT_FILE_PART);
 	gw_status status = GW_OK;
 	if (!journal || !part)
 		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the name of a file");
-	else if (access(journal, F_OK) == 0 && s->force)
-		status = remove_left(journal, part, error);
-	else if (access(journal, F_OK) == 0 && !s->quiet)
-		text_message(stderr,
-					 "glowworm: note: %s and %s are left of a bake that was stopped: --resume goes "
-					 "on with it, --force removes them\n",
-					 part, journal);
+	else if (access(journal, F_OK) == 0)
+		status = s->force ? remove_left(journal, part, error)
+						  : say_left(s, journal, part, needed, error);
 	free(journal);
 	free(part);
 	return status;

@@ -36,8 +36,8 @@ gw_status bake_journal_open(const bake_journal_use *use, const settings *setting
 							const format_parts *input, bake_journal *journal, gw_error *error);
 
 /* Where a bake that is not gone on with left files beside the output: a note that names them, or
- * with
- * --force they are removed. Fails where another process works on them. */
-gw_status bake_journal_left(const settings *settings, gw_error *error);
+ * with --force they are removed. Fails where another process works on them.
+ *   needed   their names are: in place of the note it fails with it, FILE_ERROR_CREATE */
+gw_status bake_journal_left(const settings *settings, bool needed, gw_error *error);
 
 #endif

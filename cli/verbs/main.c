@@ -5,6 +5,7 @@
 #include "program/exit_code.h"
 #include "program/nearest_name.h"
 #include "options/option_text.h"
+#include "program/ranks.h"
 #include "program/signals.h"
 #include "program/text_quote.h"
 #include "verbs/verbs.h"
@@ -126,7 +127,7 @@ static int run_program(int count, char **argument)
 	gw_status status = run(count - 1, argument + 1, &error);
 	if (status == GW_OK)
 		status = exit_code_flush(stdout, &error);
-	if (status != GW_OK)
+	if (status != GW_OK && (status != GW_ERROR_CANCELLED || ranks_speak()))
 		text_message(stderr, "glowworm: %s\n", error.text);
 	return exit_code_of(status, signals_pending());
 }
@@ -147,6 +148,7 @@ int main(int count, char **argument)
 	signals_install();
 	crash_install();
 	int code = run_program(count, argument);
+	ranks_end(code);
 	crash_finish();
 	/* A loader that got no memory may hold its lock for ever, and wait for it at a normal end. */
 	if (code == EXIT_CODE_MEMORY) {

@@ -14,12 +14,14 @@
 #include "options/output_name.h"
 #include "options/progress.h"
 #include "options/quality_preset.h"
+#include "program/ranks.h"
 #include "scene/scene_file.h"
 #include "program/signals.h"
 #include "program/text_quote.h"
 #include "grids/vdb_grids.h"
 #include "grids/voxel_merge.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -32,6 +34,7 @@ typedef struct bake {
 	settings *settings;
 	const format *format; /* of the output */
 	output_file *output, *report, *transport;
+	ranks ranks;         /* who work together */
 	input_file reused;   /* a transport */
 	parted_cloud parted; /* where memory does not hold the input */
 	loaded_scene scene;
@@ -144,11 +147,12 @@ static gw_status probe_grids(bake *b, const char *path)
 static gw_status open_outputs(bake *b)
 {
 	const settings *s = b->settings;
+	bool lasts = s->resume || b->ranks.count > 1;
 	if (s->output && !s->frames)
-		GW_TRY(s->resume ? output_file_check(s->output, s->force, b->error)
-						 : output_file_create(&b->output, s->output, s->force, b->error));
-	if (s->output && !s->frames && !s->resume)
-		GW_TRY(bake_journal_left(s, b->error));
+		GW_TRY(lasts ? output_file_check(s->output, s->force, b->error)
+					 : output_file_create(&b->output, s->output, s->force, b->error));
+	if (s->output && !s->frames && !s->resume && b->ranks.rank == 0)
+		GW_TRY(bake_journal_left(s, b->ranks.count > 1, b->error));
 	if (s->report)
 		GW_TRY(output_file_create(&b->report, s->report, s->force, b->error));
 	if (s->save_transport)
@@ -236,22 +240,40 @@ static void note_inputs(const bake *b)
 						"luminance\n");
 }
 
+/* Without an account: all points at once. */
+static gw_status open_alone(bake *b)
+{
+	const settings *s = b->settings;
+	if (b->ranks.count > 1 && access(s->input[0].path, R_OK) != 0)
+		return gw_fail(b->error, FILE_ERROR_NO_INPUT, "cannot open %s: %s", s->input[0].path,
+					   strerror(errno));
+	if (b->ranks.count > 1)
+		return gw_fail(
+			b->error, GW_ERROR_USAGE,
+			"this bake is of all points at once, which %u processes cannot share: start "
+			"one, or where binary PLY goes to PLY give a --memory that does not hold all "
+			"points",
+			b->ranks.count);
+	if (!s->quiet)
+		fprintf(stderr, "glowworm: note: --resume keeps nothing of this bake: it is of all points "
+						"at once, not by parts\n");
+	return output_file_create(&b->output, s->output, s->force, b->error);
+}
+
 /* What is done of a bake by parts is kept beside the output, where another run of it may have
- * begun. The name of the journal is `path`. */
+ * begun. The name of the journal is `path`. Ranks but the first begin when that is ready to share
+ * parts. */
 static gw_status open_account(bake *b, const char *path)
 {
 	const settings *s = b->settings;
-	const bake_journal_use use = { .path = path, .owner = true, .keep = true };
-	bool there = access(path, F_OK) == 0;
-	if (!b->parted.file.found || (b->parted.most == 0 && !there)) {
-		if (!s->quiet)
-			fprintf(stderr,
-					"glowworm: note: --resume keeps nothing of this bake: it is of all points "
-					"at once, not by parts\n");
-		return output_file_create(&b->output, s->output, s->force, b->error);
-	}
+	const bake_journal_use use = { path, b->ranks.rank == 0, s->resume };
+	bool there = b->ranks.rank > 0 || access(path, F_OK) == 0;
+	if (b->ranks.rank > 0)
+		GW_TRY(ranks_wait(&b->ranks, b->error));
+	if (!b->parted.file.found || (b->parted.most == 0 && !there))
+		return open_alone(b);
 	GW_TRY(parted_cloud_keep(&b->parted, s, &use, b->error));
-	GW_TRY(output_file_create_lasting(&b->output, s->output, s->force, true, b->error));
+	GW_TRY(output_file_create_lasting(&b->output, s->output, s->force, s->resume, b->error));
 	if (!b->parted.begun)
 		return output_file_resize(b->output, 0, b->error);
 	if (!s->quiet)
@@ -261,8 +283,10 @@ static gw_status open_account(bake *b, const char *path)
 
 static gw_status keep_account(bake *b)
 {
-	if (!b->settings->resume)
+	if (!b->settings->resume && b->ranks.count == 1)
 		return GW_OK;
+	if (!b->settings->output)
+		return open_alone(b);
 	char *path = output_file_beside(b->settings->output, BAKE_JOURNAL_NAME);
 	gw_status status = path
 						   ? open_account(b, path)
@@ -423,8 +447,10 @@ static gw_status light_points(bake *b)
 							  .light = b->result,
 							  .format = b->format,
 							  .progress = &b->progress,
-							  .loaded = b->all.loaded };
-	return parted_result_open(&b->all, b->error);
+							  .loaded = b->all.loaded,
+							  .ranks = b->ranks };
+	GW_TRY(parted_result_open(&b->all, b->error));
+	return b->ranks.rank == 0 ? ranks_wait(&b->ranks, b->error) : GW_OK;
 }
 
 /* -------------------------------------------------------------------------------- results */
@@ -529,6 +555,8 @@ static gw_status write_outputs(bake *b, gw_status *grids)
 	if (*grids == GW_ERROR_CANCELLED)
 		return GW_ERROR_CANCELLED;
 	GW_TRY(signals_check(b->error));
+	if (b->ranks.rank > 0)
+		output_file_leave(&b->output);
 	if (b->output)
 		GW_TRY(output_file_commit(&b->output, b->error));
 	journal_file_close(&b->parted.journal, true);
@@ -588,8 +616,23 @@ static gw_status print_scene(bake *b)
 	return GW_OK;
 }
 
+/* The first rank speaks for all. */
+static gw_status join_ranks(bake *b)
+{
+	settings *s = b->settings;
+	GW_TRY(ranks_join(&b->ranks, b->error));
+	if (b->ranks.rank == 0)
+		return GW_OK;
+	s->quiet = true;
+	s->verbose = s->explain = s->profile = false;
+	s->report = NULL;
+	b->progress = progress_start(SETTINGS_PROGRESS_NONE, true);
+	return GW_OK;
+}
+
 static gw_status run(bake *b)
 {
+	GW_TRY(join_ranks(b));
 	GW_TRY(scene_read_all(b->settings, b->error));
 	quality_preset_apply(b->settings);
 	bake_plan_apply_effects(b->settings);
@@ -598,7 +641,8 @@ static gw_status run(bake *b)
 		return print_scene(b);
 	GW_TRY(bake_plan_apply_motion(b->settings, b->error));
 	GW_TRY(open_outputs(b));
-	b->settings->bake.drivers = b->drivers = gw_drivers_load();
+	if (b->ranks.rank == 0)
+		b->settings->bake.drivers = b->drivers = gw_drivers_load();
 	GW_TRY(read_inputs(b));
 	GW_TRY(check_results(b));
 	if (b->settings->transport)
@@ -637,7 +681,7 @@ static gw_status say_results(const bake *b)
 /* What is done of a bake that failed. */
 static void say_what_is_kept(const bake *b)
 {
-	if (b->parted.journal && b->output && !b->settings->quiet)
+	if (b->settings->resume && b->parted.journal && b->output && !b->settings->quiet)
 		text_message(stderr,
 					 "glowworm: note: what is done is kept in %s and %s; the same command goes on "
 					 "with it\n",
@@ -652,8 +696,9 @@ gw_status verb_bake(settings *s, gw_error *error)
 	b.facts = (bake_facts){ .settings = s, .scene = &b.scene };
 	gw_status status = run(&b);
 	progress_end(&b.progress);
-	if (status == GW_OK && b.result)
+	if (status == GW_OK && b.result && b.ranks.rank == 0)
 		status = say_results(&b);
+	status = ranks_fail(&b.ranks, status, error);
 	say_what_is_kept(&b);
 	journal_file_close(&b.parted.journal, false);
 	output_file_abandon(&b.output);

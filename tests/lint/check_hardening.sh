@@ -46,7 +46,7 @@ check_fortified() {
 # Libraries that take long to load come with a plugin, when it is needed.
 check_loaded() {
 	local library
-	for library in openvdb proj; do
+	for library in openvdb proj mpi; do
 		! readelf -dW "$build/glowworm" | grep -q "NEEDED.*lib$library" ||
 			echo "$build/glowworm: loads lib$library at each start, which a plugin is for"
 	done
@@ -72,7 +72,10 @@ done
 if nm -D "$build/glowworm" | grep -q __asan_init; then
 	exit 0
 fi
-for file in "$build"/glowworm "$build"/libglowworm-{vdb,proj}.so; do
+plugins=("$build"/libglowworm-{vdb,proj}.so)
+# Built only where Open MPI is.
+[ ! -f "$build/libglowworm-mpi.so" ] || plugins+=("$build/libglowworm-mpi.so")
+for file in "$build"/glowworm "${plugins[@]}"; do
 	complain < <(check_linked "$file")
 	complain < <(check_compiled "$file")
 done
