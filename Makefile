@@ -132,7 +132,9 @@ $(BUILD)/libglowworm-vdb.so: $(call objects,$(VDB_SOURCE))
 $(BUILD)/libglowworm-proj.so: $(call objects,$(PROJ_SOURCE))
 	$(CC) $(LDFLAGS) -shared -o $@ $^ -lproj -lm
 
-$(call objects,$(MPI_SOURCE)): OWN_FLAGS := $(if $(MPI),$(patsubst -I%,-isystem %,$(shell pkg-config --cflags $(MPI))))
+MPI_INCLUDE     := $(if $(MPI),$(shell pkg-config --cflags-only-I $(MPI)))
+$(call objects,$(MPI_SOURCE)): OWN_FLAGS := $(patsubst -I%,-isystem %,$(MPI_INCLUDE))
+$(BUILD)/analysis/$(MPI_SOURCE).txt: CFLAGS += $(MPI_INCLUDE)
 
 $(BUILD)/libglowworm-mpi.so: $(call objects,$(MPI_SOURCE))
 	$(CC) $(LDFLAGS) -shared -o $@ $^ $(shell pkg-config --libs $(MPI))

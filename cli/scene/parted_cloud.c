@@ -110,7 +110,7 @@ static gw_status thin(parted_cloud *parted, scan_thinning *thinning, gw_error *e
 /* Reads the file once. */
 static gw_status choose(parted_cloud *parted, scan *cloud, gw_error *error)
 {
-	scan_thinning thinning = scan_thinning_begin(parted->most);
+	scan_thinning thinning = scan_thinning_begin(parted->most, parted->file.in.threads);
 	gw_status status = thin(parted, &thinning, error);
 	if (status == GW_OK)
 		scan_thinning_take(&thinning, cloud);

@@ -1,6 +1,8 @@
 /* scan_thinning.c - see scan_thinning.h. */
 #include "points/scan_thinning.h"
 
+#include "glowworm_host.h"
+
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -21,6 +23,10 @@
 /* The first cubes: of such a part of the width that they have when as many points as may be kept
  * lie on a square as wide as the first part. */
 #define START 0.125
+
+/* Points that a thread looks at at once, and how far ahead of them the table is fetched. */
+#define CHUNK ((size_t)4096)
+#define AHEAD 16u
 
 /* Columns by which points are told apart. */
 typedef struct views {
@@ -120,8 +126,10 @@ static gw_status open_kept(scan_thinning *t, const scan *part, gw_error *error)
 		t->mask = 2 * t->mask + 1;
 	t->cube = reallocarray(NULL, t->most, sizeof *t->cube);
 	t->rank = reallocarray(NULL, t->most, sizeof *t->rank);
+	t->wider = reallocarray(NULL, t->most, sizeof *t->wider);
+	t->from = calloc(t->most, sizeof *t->from);
 	t->slot = calloc(t->mask + 1, sizeof *t->slot);
-	return t->cube && t->rank && t->slot ? GW_OK : no_memory(t, error);
+	return t->cube && t->rank && t->wider && t->from && t->slot ? GW_OK : no_memory(t, error);
 }
 
 static gw_status check_columns(const scan_thinning *t, const scan *part, gw_error *error)
@@ -134,7 +142,7 @@ static gw_status check_columns(const scan_thinning *t, const scan *part, gw_erro
 }
 
 /* The slot of a cube, taken or free. */
-static uint32_t *slot_of(scan_thinning *t, uint64_t cube)
+static uint32_t *slot_of(const scan_thinning *t, uint64_t cube)
 {
 	uint64_t at = cube & t->mask;
 	while (t->slot[at] && t->cube[t->slot[at] - 1] != cube)
@@ -142,49 +150,96 @@ static uint32_t *slot_of(scan_thinning *t, uint64_t cube)
 	return &t->slot[at];
 }
 
-static void copy_row(scan *to, size_t row, const scan *from, size_t i)
+/* Offers a point of a cube and a rank. The row that is its own then, or t->most. */
+static size_t offer(scan_thinning *t, uint64_t cube, uint64_t rank)
 {
-	for (size_t c = 0; c < from->column_count; c++) {
-		size_t size = scan_type_size(from->column[c].type);
-		memmove((char *)to->column[c].data + row * size,
-				(const char *)from->column[c].data + i * size, size);
-	}
-}
-
-/* Point i of a cloud, which may be what is kept itself. */
-static void offer(scan_thinning *t, const scan *from, const views *v, size_t i)
-{
-	double place[3];
-	if (!get_place(v, i, place))
-		return;
-	uint64_t cube = cube_of(v, i, place, t->width), rank = rank_of(place);
 	uint32_t *slot = slot_of(t, cube);
 	size_t row = *slot ? *slot - 1 : t->kept.count;
 	if (*slot && t->rank[row] <= rank)
-		return;
+		return t->most;
 	t->kept.count += !*slot;
 	*slot = (uint32_t)row + 1;
 	t->cube[row] = cube;
 	t->rank[row] = rank;
-	copy_row(&t->kept, row, from, i);
+	return row;
 }
 
-/* Rows move down only, so that none is overwritten before it was looked at. */
+static void copy_value(void *to, size_t row, const void *from, size_t i, size_t size)
+{
+	switch (size) {
+	case 4:
+		((uint32_t *)to)[row] = ((const uint32_t *)from)[i];
+		break;
+	case 8:
+		((uint64_t *)to)[row] = ((const uint64_t *)from)[i];
+		break;
+	default:
+		memmove((char *)to + row * size, (const char *)from + i * size, size);
+	}
+}
+
+/* ----------------------------------------------------------------------------- wider cubes */
+
+typedef struct widening {
+	scan_thinning *t;
+	views v;
+	double width;
+} widening;
+
+static void find_wider(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const widening *w = user;
+	double place[3];
+	(void)worker;
+	for (size_t i = first; i < last; i++) {
+		get_place(&w->v, i, place);
+		w->t->wider[i] = cube_of(&w->v, i, place, w->width);
+	}
+}
+
+/* Rows move down only, so that none is overwritten before it was moved. */
+static void move_columns(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const scan_thinning *t = user;
+	(void)worker;
+	for (size_t c = first; c < last; c++) {
+		size_t size = scan_type_size(t->kept.column[c].type);
+		void *data = t->kept.column[c].data;
+		for (size_t row = 0; row < t->kept.count; row++)
+			copy_value(data, row, data, t->from[row] - 1, size);
+	}
+}
+
+static void widen(scan_thinning *t)
+{
+	size_t count = t->kept.count;
+	widening w = { .t = t, .width = t->width };
+	find_views(&t->kept, &w.v);
+	gw_parallel_for(t->threads, count, CHUNK, find_wider, &w);
+	memset(t->slot, 0, (t->mask + 1) * sizeof *t->slot);
+	t->kept.count = 0;
+	for (size_t i = 0; i < count; i++) {
+		__builtin_prefetch(&t->slot[t->wider[i + AHEAD < count ? i + AHEAD : i] & t->mask]);
+		size_t row = offer(t, t->wider[i], t->rank[i]);
+		if (row < t->most)
+			t->from[row] = (uint32_t)i + 1;
+	}
+	gw_parallel_for(t->threads, t->kept.column_count, 1, move_columns, t);
+	memset(t->from, 0, t->kept.count * sizeof *t->from);
+}
+
 static void coarsen(scan_thinning *t)
 {
-	views v;
 	double growth = GROWTH;
-	find_views(&t->kept, &v);
 	while ((double)t->kept.count > LEFT_MOST * (double)t->most) {
 		size_t count = t->kept.count;
 		t->width *= growth;
-		t->kept.count = 0;
-		memset(t->slot, 0, (t->mask + 1) * sizeof *t->slot);
-		for (size_t i = 0; i < count; i++)
-			offer(t, &t->kept, &v, i);
+		widen(t);
 		growth = (double)t->kept.count > HELPED * (double)count ? HASTE : GROWTH;
 	}
 }
+
+/* ---------------------------------------------------------------------------------- the width */
 
 static int by_value(const void *a, const void *b)
 {
@@ -224,25 +279,133 @@ static double start_width(const scan_thinning *t, const scan *part, const views 
 
 /* -------------------------------------------------------------------------------- part by part */
 
-scan_thinning scan_thinning_begin(size_t most)
+/* Points of a part from `first` on. */
+typedef struct looking {
+	scan_thinning *t;
+	const scan *part;
+	const views *v;
+	size_t first;
+} looking;
+
+/* Their cubes and ranks, while the table's slots are fetched. */
+static void find_cubes(const looking *job, size_t first, size_t last)
 {
-	return (scan_thinning){ .most = most };
+	const scan_thinning *t = job->t;
+	const scan_thinning_part *p = &t->part;
+	double place[3];
+	for (size_t i = first; i < last; i++) {
+		p->wanted[i] = get_place(job->v, i, place);
+		if (!p->wanted[i])
+			continue;
+		p->rank[i] = rank_of(place);
+		p->cube[i] = cube_of(job->v, i, place, t->width);
+		__builtin_prefetch(&t->slot[p->cube[i] & t->mask]);
+	}
+}
+
+/* What is kept does not change meanwhile. A point that one of it goes before is none that will be.
+ */
+static void look_at(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const looking *job = user;
+	const scan_thinning *t = job->t;
+	const scan_thinning_part *p = &t->part;
+	(void)worker;
+	for (size_t next = first; next < last; first = next) {
+		next = last - first < AHEAD ? last : first + AHEAD;
+		find_cubes(job, job->first + first, job->first + next);
+		for (size_t i = job->first + first; i < job->first + next; i++) {
+			const uint32_t *slot = p->wanted[i] ? slot_of(t, p->cube[i]) : NULL;
+			p->wanted[i] = slot && (!*slot || t->rank[*slot - 1] > p->rank[i]);
+		}
+	}
+}
+
+/* Copies the points that were taken to their rows. */
+static void copy_rows(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const looking *job = user;
+	const scan_thinning *t = job->t;
+	(void)worker;
+	for (size_t c = 0; c < job->part->column_count; c++) {
+		const void *from = job->part->column[c].data;
+		size_t size = scan_type_size(job->part->column[c].type);
+		for (size_t k = first; k < last; k++) {
+			uint32_t row = t->part.row[k];
+			copy_value(t->kept.column[c].data, row, from, t->from[row] - 1, size);
+		}
+	}
+	for (size_t k = first; k < last; k++)
+		t->from[t->part.row[k]] = 0;
+}
+
+/* Takes points of the part from `first` on, until as many are kept as may be; the next one. */
+static size_t take_points(looking *job, size_t first)
+{
+	scan_thinning *t = job->t;
+	scan_thinning_part *p = &t->part;
+	size_t count = job->part->count, i = first;
+	job->first = first;
+	gw_parallel_for(t->threads, count - first, CHUNK, look_at, job);
+	for (p->rows = 0; i < count && t->kept.count < t->most; i++) {
+		size_t next = i + AHEAD < count ? i + AHEAD : i;
+		if (p->wanted[next])
+			__builtin_prefetch(&t->slot[p->cube[next] & t->mask]);
+		size_t row = p->wanted[i] ? offer(t, p->cube[i], p->rank[i]) : t->most;
+		if (row == t->most)
+			continue;
+		if (!t->from[row])
+			p->row[p->rows++] = (uint32_t)row;
+		t->from[row] = (uint32_t)i + 1;
+	}
+	gw_parallel_for(t->threads, p->rows, CHUNK, copy_rows, job);
+	return i;
+}
+
+static void clear_part(scan_thinning_part *p)
+{
+	free(p->cube);
+	free(p->rank);
+	free(p->wanted);
+	free(p->row);
+	*p = (scan_thinning_part){ .room = 0 };
+}
+
+static gw_status make_room(scan_thinning *t, size_t count, gw_error *error)
+{
+	scan_thinning_part *p = &t->part;
+	if (count <= p->room)
+		return GW_OK;
+	clear_part(p);
+	p->room = count;
+	p->cube = reallocarray(NULL, count, sizeof *p->cube);
+	p->rank = reallocarray(NULL, count, sizeof *p->rank);
+	p->wanted = malloc(count);
+	p->row = reallocarray(NULL, count, sizeof *p->row);
+	return p->cube && p->rank && p->wanted && p->row ? GW_OK : no_memory(t, error);
+}
+
+scan_thinning scan_thinning_begin(size_t most, uint32_t threads)
+{
+	return (scan_thinning){ .most = most, .threads = threads };
 }
 
 gw_status scan_thinning_add(scan_thinning *t, const scan *part, gw_error *error)
 {
 	views v;
+	looking job = { .t = t, .part = part, .v = &v };
 	if (!find_views(part, &v))
 		return gw_fail(error, GW_ERROR_DATA, "points need x, y and z");
 	if (!t->slot)
 		GW_TRY(open_kept(t, part, error));
 	GW_TRY(check_columns(t, part, error));
+	GW_TRY(make_room(t, part->count, error));
 	if (!(t->width > 0.0))
 		t->width = start_width(t, part, &v);
-	for (size_t i = 0; i < part->count && t->width > 0.0; i++) {
+	for (size_t i = 0; i < part->count && t->width > 0.0;) {
 		if (t->kept.count == t->most)
 			coarsen(t);
-		offer(t, part, &v, i);
+		i = take_points(&job, i);
 	}
 	return GW_OK;
 }
@@ -264,6 +427,9 @@ void scan_thinning_clear(scan_thinning *t)
 	scan_clear(&t->kept);
 	free(t->cube);
 	free(t->rank);
+	free(t->wider);
+	free(t->from);
 	free(t->slot);
-	*t = (scan_thinning){ .most = t->most };
+	clear_part(&t->part);
+	*t = (scan_thinning){ .most = t->most, .threads = t->threads };
 }

@@ -6,26 +6,41 @@
  * where the scan has normals. Which it is, a hash of its place says. When more are kept than there
  * may be, the grid gets coarser by a fifth and what is kept is thinned again, so that neither the
  * extent nor the number of the points has to be known. Points whose place is not finite are left
- * out.
+ * out. What is kept is the same by any number of threads: these look which points may be kept, and
+ * one after the other those are.
  */
 #ifndef SCAN_THINNING_H
 #define SCAN_THINNING_H
 
 #include "points/scan.h"
 
+/* What threads found out of the points of a part. */
+typedef struct scan_thinning_part {
+	size_t room;     /* points that there is room for */
+	uint64_t *cube;  /* of each point */
+	uint64_t *rank;  /* likewise */
+	uint8_t *wanted; /* 0: no place, or a point that is kept goes before it */
+	uint32_t *row;   /* rows that get a point of the part */
+	size_t rows;
+} scan_thinning_part;
+
 typedef struct scan_thinning {
-	size_t most;    /* points to be kept, 1 or more; from a half of them on is usual */
-	double width;   /* of the cubes, in units of the coordinates; 0: not known yet */
-	scan kept;      /* columns of the parts, with room for `room` points; kept.count are there */
-	size_t room;    /* its other facts are those of the first part */
-	uint64_t *cube; /* one a point that is kept */
-	uint64_t *rank; /* likewise */
-	uint64_t mask;  /* of the table: */
-	uint32_t *slot; /* 0: free; or 1 + the number of a point that is kept */
+	size_t most;      /* points to be kept, 1 or more; from a half of them on is usual */
+	uint32_t threads; /* 0: one a core */
+	double width;     /* of the cubes, in units of the coordinates; 0: not known yet */
+	scan kept;       /* columns of the parts, with room for `most` points; kept.count are there, and
+					  * its other facts are those of the first part */
+	uint64_t *cube;  /* one a point that is kept */
+	uint64_t *rank;  /* likewise */
+	uint64_t *wider; /* likewise: cubes of the next width */
+	uint32_t *from;  /* likewise: 0, or 1 + the point that it is to become */
+	uint64_t mask;   /* of the table: */
+	uint32_t *slot;  /* 0: free; or 1 + the number of a point that is kept */
+	scan_thinning_part part;
 } scan_thinning;
 
 /* Nothing kept yet. most: 1 to 2^31. Given back with scan_thinning_clear. */
-scan_thinning scan_thinning_begin(size_t most);
+scan_thinning scan_thinning_begin(size_t most, uint32_t threads);
 
 /*
  * Adds a part, which has the columns of those before it.

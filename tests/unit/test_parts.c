@@ -84,10 +84,10 @@ static scan rows_of(const scan *cloud, size_t first, size_t count)
 	return part;
 }
 
-static scan kept_of(const scan *cloud, size_t most, size_t part_points)
+static scan kept_by(uint32_t threads, const scan *cloud, size_t most, size_t part_points)
 {
 	gw_error error;
-	scan_thinning thinning = scan_thinning_begin(most);
+	scan_thinning thinning = scan_thinning_begin(most, threads);
 	for (size_t first = 0; first < cloud->count; first += part_points) {
 		size_t left = cloud->count - first;
 		scan part = rows_of(cloud, first, left < part_points ? left : part_points);
@@ -98,6 +98,11 @@ static scan kept_of(const scan *cloud, size_t most, size_t part_points)
 	scan_thinning_take(&thinning, &kept);
 	scan_thinning_clear(&thinning);
 	return kept;
+}
+
+static scan kept_of(const scan *cloud, size_t most, size_t part_points)
+{
+	return kept_by(1, cloud, most, part_points);
 }
 
 /* No more than there may be and no less than a half, each a point of the cloud with all that it
@@ -135,6 +140,47 @@ static void parts_are_no_matter(void **state)
 	scan_clear(&kept);
 	kept = kept_of(&cloud, COUNT + 1, 777);
 	assert_true(kept.count > COUNT * 9 / 10);
+	scan_clear(&kept);
+	scan_clear(&cloud);
+}
+
+/* Threads change nothing: neither where cubes get wider amid a part, nor where most points of a
+ * part replace others of it. */
+static void threads_are_no_matter(void **state)
+{
+	(void)state;
+	scan cloud = uneven_square();
+	for (size_t most = 50; most < COUNT; most *= 6) {
+		scan kept = kept_by(1, &cloud, most, 9000), again = kept_by(5, &cloud, most, 9000);
+		assert_int_equal(kept.count, again.count);
+		for (size_t c = 0; c < kept.column_count; c++)
+			assert_memory_equal(kept.column[c].data, again.column[c].data,
+								kept.count * scan_type_size(kept.column[c].type));
+		scan_clear(&kept);
+		scan_clear(&again);
+	}
+	scan_clear(&cloud);
+}
+
+/* Points that are kept stay when they come again. */
+static void kept_points_stay(void **state)
+{
+	(void)state;
+	gw_error error;
+	scan cloud = uneven_square(), kept;
+	scan_thinning thinning = scan_thinning_begin(900, 2);
+	assert_ok(scan_thinning_add(&thinning, &cloud, &error), &error);
+	scan_thinning_take(&thinning, &kept);
+	scan_thinning_clear(&thinning);
+	thinning = scan_thinning_begin(900, 2);
+	assert_ok(scan_thinning_add(&thinning, &cloud, &error), &error);
+	size_t count = thinning.kept.count;
+	assert_ok(scan_thinning_add(&thinning, &kept, &error), &error);
+	assert_int_equal(thinning.kept.count, count);
+	for (size_t c = 0; c < kept.column_count; c++)
+		assert_memory_equal(kept.column[c].data, thinning.kept.column[c].data,
+							count * scan_type_size(kept.column[c].type));
+	scan_thinning_clear(&thinning);
 	scan_clear(&kept);
 	scan_clear(&cloud);
 }
@@ -189,7 +235,7 @@ static void columns_must_agree(void **state)
 	(void)state;
 	gw_error error;
 	scan cloud = uneven_square(), other = rows_of(&cloud, 0, 10);
-	scan_thinning thinning = scan_thinning_begin(100);
+	scan_thinning thinning = scan_thinning_begin(100, 1);
 	assert_ok(scan_thinning_add(&thinning, &cloud, &error), &error);
 	scan_remove_column(&other, "number");
 	assert_int_equal(scan_thinning_add(&thinning, &other, &error), GW_ERROR_DATA);
@@ -351,10 +397,11 @@ static void told_by_all(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(thinned_evenly),     cmocka_unit_test(parts_are_no_matter),
-		cmocka_unit_test(far_and_nowhere),    cmocka_unit_test(sheets_are_kept),
-		cmocka_unit_test(columns_must_agree), cmocka_unit_test(files_in_parts),
-		cmocka_unit_test(files_not_in_parts), cmocka_unit_test(told_by_all),
+		cmocka_unit_test(thinned_evenly),        cmocka_unit_test(parts_are_no_matter),
+		cmocka_unit_test(threads_are_no_matter), cmocka_unit_test(kept_points_stay),
+		cmocka_unit_test(far_and_nowhere),       cmocka_unit_test(sheets_are_kept),
+		cmocka_unit_test(columns_must_agree),    cmocka_unit_test(files_in_parts),
+		cmocka_unit_test(files_not_in_parts),    cmocka_unit_test(told_by_all),
 	};
 	return cmocka_run_group_tests(tests, enter_folder, leave_folder);
 }
