@@ -1,6 +1,7 @@
 /*
  * glowworm_parts.h - public interface of libglowworm for clouds that memory does not hold: some of
- * their points, few enough, are baked as a surface, and all others are lit by it, part by part.
+ * their points, few enough, are baked as a surface, and all others are lit by it, part by part; by
+ * other processes too, to which the light goes as bytes.
  *
  * It reads and writes no files either. What is not said otherwise is as in glowworm.h.
  */
