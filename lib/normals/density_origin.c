@@ -36,12 +36,12 @@
 #define SINE_LEAST 0.03
 #define AHEAD_LEAST 0.3
 
-#define TRIED_NEAR 700u /* origins within the bounds, and as many around them */
-#define NEAREST 0.3     /* half diagonals of the bounds from the middle, and up to */
+#define TRIED_NEAR 2000u /* origins within the bounds, and as many around them */
+#define NEAREST 0.3      /* half diagonals of the bounds from the middle, and up to */
 #define FURTHEST 8.0
 #define QUICK 64u /* places that tell which of these are worth a second look, so many of them */
-#define SECOND 16u
-#define REFINED 2u
+#define SECOND 48u
+#define REFINED 6u
 #define FINEST 1e-3   /* of an origin's distance */
 #define COARSE 1e-2   /* and until then by every fourth place */
 #define HOPELESS 0.75 /* of what areas spread by themselves, from the best of those tried */
