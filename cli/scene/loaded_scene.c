@@ -726,22 +726,27 @@ static gw_status place_scanners(loaded_scene *scene, gw_error *error)
 	return GW_OK;
 }
 
-/* Scanners that the user names go before those of the files: who saw which point is then open. */
-static gw_status take_scanners(const settings *s, scan *cloud, gw_error *error)
+static void replace_scanners(scan *cloud, double *place, size_t count)
 {
-	if (s->scanner_count == 0 && !s->scanner_none)
-		return GW_OK;
-	size_t size = 3 * s->scanner_count * sizeof(double);
-	double *place = size ? malloc(size) : NULL;
-	if (size && !place)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu scanners", s->scanner_count);
-	if (size)
-		memcpy(place, s->scanner, size);
 	free(cloud->scanner);
 	free(cloud->scanner_of);
 	cloud->scanner = place;
-	cloud->scanner_count = s->scanner_count;
+	cloud->scanner_count = count;
 	cloud->scanner_of = NULL;
+}
+
+/* Scanners that the user names go before those of the files: who saw which point is then open. */
+static gw_status take_scanners(const settings *s, scan *cloud, gw_error *error)
+{
+	if (s->scanner_none)
+		replace_scanners(cloud, NULL, 0);
+	if (s->scanner_count == 0)
+		return GW_OK;
+	double *place = reallocarray(NULL, s->scanner_count, 3 * sizeof *place);
+	if (!place)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu scanners", s->scanner_count);
+	memcpy(place, s->scanner, 3 * s->scanner_count * sizeof *place);
+	replace_scanners(cloud, place, s->scanner_count);
 	return GW_OK;
 }
 
