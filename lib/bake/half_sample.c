@@ -205,12 +205,20 @@ static bool list_kinds(const gw_point_subset *half, const gw_bake_result *of_hal
 	return turned == 0 || reach <= 0.0 || mark_near(half, reach, turned, kinds);
 }
 
+/* What points beside those that turn would differ by if nothing had turned: each as much as others
+ * do. Sums of squares. */
+static double near_like_rest(const double *square, const size_t *count)
+{
+	double each = count[REST] > 0 ? square[REST] / (double)count[REST] : 0.0;
+	return fmin(each * (double)count[NEAR], square[NEAR]);
+}
+
 static gw_half_difference sum_differences(const gw_point_subset *half,
 										  const gw_bake_result *of_half,
 										  const gw_bake_result *of_all, const uint8_t *kinds)
 {
 	double square[TURNED + 1] = { 0 }, mean = 0.0, mean_of_half = 0.0;
-	size_t used = 0, turned = 0;
+	size_t count[TURNED + 1] = { 0 }, used = 0;
 	for (size_t i = 0; i < half->points.count; i++) {
 		if (kinds[i] == LEFT_OUT)
 			continue;
@@ -219,15 +227,16 @@ static gw_half_difference sum_differences(const gw_point_subset *half,
 		square[kinds[i]] += (other - found) * (other - found);
 		mean += found;
 		mean_of_half += other;
-		turned += kinds[i] == TURNED;
+		count[kinds[i]]++;
 		used++;
 	}
+	double like_rest = near_like_rest(square, count);
 	double most = fmax(mean, mean_of_half);
 	double scale = most > 0.0 ? sqrt((double)used) / most : 0.0;
 	return (gw_half_difference){ .turned = scale * sqrt(square[TURNED]),
-								 .near = scale * sqrt(square[NEAR]),
-								 .rest = scale * sqrt(square[REST]),
-								 .turned_share = used ? (double)turned / (double)used : 0.0,
+								 .near = scale * sqrt(square[NEAR] - like_rest),
+								 .rest = scale * sqrt(square[REST] + like_rest),
+								 .turned_share = used ? (double)count[TURNED] / (double)used : 0.0,
 								 .sides_asked = of_half->report.error.points > 0,
 								 .sides = of_half->report.error.sides };
 }
@@ -282,15 +291,14 @@ static double of_surface(double first, double growth)
 void gw_half_sample_add(const gw_half_difference *first, const gw_half_difference *second,
 						double gathered, gw_error_estimate *estimate)
 {
-	double growth = growth_of(gw_half_difference_all(first), gw_half_difference_all(second));
 	double by_rays = growth_by_rays(first, estimate->sides);
-	double surface =
-		hypot(of_surface(first->rest, growth), of_surface(first->near, fmax(growth, by_rays)));
+	double surface = of_surface(first->rest, growth_of(first->rest, second->rest));
 	/* The two have noise of their own, which is a part of the estimate already. */
-	double differs = hypot(first->rest, first->near);
-	if (differs > 0.0)
-		surface *= sqrt(fmax(1.0 - 2.0 * gathered * gathered / (differs * differs), 0.0));
-	double sides = of_sides(first->turned, fmax(growth_of(first->turned, second->turned), by_rays));
+	if (first->rest > 0.0)
+		surface *= sqrt(fmax(1.0 - 2.0 * gathered * gathered / (first->rest * first->rest), 0.0));
+	double turned = hypot(first->turned, first->near);
+	double of_turned = growth_of(turned, hypot(second->turned, second->near));
+	double sides = of_sides(turned, fmax(of_turned, by_rays));
 	estimate->halves = hypot(surface, sides);
 	/* Rays know of sides that are guessed alike in both, and of plates that both have. */
 	double all = hypot(hypot(surface, fmax(sides, estimate->sides)),

@@ -17,14 +17,14 @@
  * A side that is guessed is right or wrong, and another guess it is with other points. Points that
  * show one side among all and the other one in the half are wrong in one of both, as likely in
  * either at the most: their square differences d^2 are the sum of two squares of errors, of which
- * that of all points is d^2 / (1 + Q^2), Q at least 1.
+ * that of all points is d^2 / (1 + Q^2), Q at least 1. So is what points beside them differ by more
+ * than others do, as far as records stand apart: a point takes the light of the records around,
+ * whose surface turned as well.
  *
  * How much worse the guesses of fewer points are, rays tell as well: both bakes are asked what is
  * wrong with their sides. With S of all and T of the half, Q is at least sqrt((T^2 + u) / (S^2 +
  * u)), where u is what one of the points that rays leave from, wrong where sides differ, would
- * make: rays may miss it. That Q goes for points that turn, and for those beside them as far as
- * records stand apart: a point takes the light of the records around, whose surface turned as
- * well.
+ * make: rays may miss it.
  *
  * Sides that are guessed alike with all points and with half of them show in no difference, but in
  * what rays say of sides (side_error.h). Of both the larger one counts, and it comes on top of the
@@ -69,8 +69,8 @@ gw_status gw_half_sample_make(const gw_points *points, uint32_t level, gw_point_
  */
 typedef struct gw_half_difference {
 	double turned;       /* at points that show the one side here and the other one there */
-	double near;         /* at points beside these */
-	double rest;         /* at all others */
+	double near;         /* at points beside these, more than at others */
+	double rest;         /* at all others, and as much at those beside */
 	double turned_share; /* of the points */
 	bool sides_asked;    /* rays were asked about the half's sides */
 	double sides;        /* what they say: its gw_error_estimate.sides */

@@ -91,7 +91,7 @@ gw_status gw_lighting_estimate(gw_lighting *lighting, gw_error *error)
 			.limit = lighting->plan.bounces ? lighting->plan.limit : 1,
 			.remaining = s->report->remaining,
 			.asked = s->region.asked,
-			.seen = s->space.scanners > 0,
+			.seen = s->space.scanners > 0 || s->surfels.seen_from_above,
 			.closed = gw_scene_closed_space(s),
 			.hits = &s->check_points,
 			.discs = &discs

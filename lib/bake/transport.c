@@ -21,7 +21,7 @@
 #include <string.h>
 
 #define MAGIC "glowworm transport\n"
-#define VERSION 20u
+#define VERSION 21u
 
 /* Blocks are read and checked in chunks, by all threads. */
 #define CHUNK_BYTES (UINT64_C(1) << 20)

@@ -28,6 +28,7 @@
 #define CREASED 32u      /* discs are, of which a coarser octree is made */
 #define MOMENTS 64u      /* of what emitters brought to the records */
 #define DOUBTED 128u     /* whether there is a surface, for the estimated error */
+#define FROM_ABOVE 256u  /* no block: seen from above alone, for the estimated error */
 
 /* What of discs an octree takes that is made from the surfels again, and what lamps do that shine
  * on large ones. */
@@ -77,7 +78,8 @@ gw_transport_numbers gw_transport_numbers_of(const gw_scene *scene)
 	n.emits = gw_surfels_emit(s) ? 1 : s->emission ? 2 : 0;
 	n.optional = (s->shading_normal ? NOISY : 0) | (s->shading_normal_off ? OFF : 0) |
 				 (s->albedo_of_point ? POINTS_ALBEDO : 0) | (s->bend ? BENT : 0) | discs_of(scene) |
-				 (scene->sampled_moment.handle ? MOMENTS : 0) | (s->doubt ? DOUBTED : 0);
+				 (scene->sampled_moment.handle ? MOMENTS : 0) | (s->doubt ? DOUBTED : 0) |
+				 (s->seen_from_above ? FROM_ABOVE : 0);
 	n.check_points = scene->check_points.count;
 	n.check_point_rays = scene->check_points.rays;
 	n.check_points_lit = scene->check_points.emitted != NULL;
@@ -107,8 +109,8 @@ bool gw_transport_numbers_fit(const gw_transport_numbers *n)
 		   n->rays > 0 && n->rays <= 4096 && (uint64_t)n->rays * n->records <= UINT32_MAX &&
 		   n->emits <= 2 && n->looked <= 1 && n->portals <= GW_PORTALS_MOST &&
 		   n->opened == (n->portals > 0) &&
-		   n->optional <=
-			   (NOISY | OFF | POINTS_ALBEDO | CUT | BENT | CREASED | MOMENTS | DOUBTED) &&
+		   n->optional <= (NOISY | OFF | POINTS_ALBEDO | CUT | BENT | CREASED | MOMENTS | DOUBTED |
+						   FROM_ABOVE) &&
 		   (n->tree_discs == 0 || n->optional & CUT) &&
 		   (!(n->optional & MOMENTS) || n->light_samples > 0) && n->check_points <= n->surfels &&
 		   n->check_point_rays <= 4096 &&
@@ -130,7 +132,8 @@ void gw_transport_numbers_restore(const gw_transport_numbers *n, gw_scene *scene
 					   .stray_count = (size_t)n->strays,
 					   .emission_alone = n->emits == 2,
 					   .spacing = n->spacing,
-					   .given_area = n->given_area };
+					   .given_area = n->given_area,
+					   .seen_from_above = (n->optional & FROM_ABOVE) != 0 };
 	*o = (gw_octree){ .depth = n->depth,
 					  .leaf_size = n->leaf_size,
 					  .wanted_leaf_size = n->wanted_leaf_size,

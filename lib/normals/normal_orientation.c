@@ -702,15 +702,25 @@ static bool is_open_to_light(const orientation_work *w, size_t patch)
 	return g->given == 0 && (!w->surfels->emission || lamp_side(g) == 0);
 }
 
-/* Turns what hangs together and faces down for the most part. */
+/* Turns what hangs together and faces down for the most part. Where it is no wall as a whole that
+ * settles its front, whatever the light said. */
 static void turn_groups_up(orientation_work *w)
 {
-	memset(w->own, 0, w->patch_count * sizeof *w->own);
-	for (size_t i = 0; i < w->surfels->count; i++)
-		w->own[w->group[w->patch[i]]] += rise(w, i) * (double)w->area[i];
-	for (size_t i = 0; i < w->patch_count; i++)
-		if (is_open_to_light(w, i) && w->own[w->group[i]] < 0)
-			w->now.sign[i] = (int8_t)-w->now.sign[i];
+	double *up = w->own, *area = w->ratio;
+	memset(up, 0, w->patch_count * sizeof *up);
+	memset(area, 0, w->patch_count * sizeof *area);
+	for (size_t i = 0; i < w->surfels->count; i++) {
+		up[w->group[w->patch[i]]] += rise(w, i) * (double)w->area[i];
+		area[w->group[w->patch[i]]] += (double)w->area[i];
+	}
+	for (size_t i = 0; i < w->patch_count; i++) {
+		uint32_t group = w->group[i];
+		if (!is_open_to_light(w, i))
+			continue;
+		w->now.sign[i] = up[group] < 0 ? (int8_t)-w->now.sign[i] : w->now.sign[i];
+		w->now.disputed[i] &= fabs(up[group]) <= LEVEL * area[group];
+		w->now.groups[group].doubtful &= fabs(up[group]) <= LEVEL * area[group];
+	}
 }
 
 /* Of ground that was seen from above alone all has its front up: leaves and rims of roofs, whose
@@ -719,6 +729,7 @@ static gw_status turn_up(orientation_work *w, gw_error *error)
 {
 	GW_TRY(gw_is_one_wide_layer(w->surfels, w->area, &w->from_above, error));
 	w->from_above = w->from_above && has_no_underside(w);
+	w->surfels->seen_from_above = w->from_above;
 	if (w->from_above)
 		turn_groups_up(w);
 	return GW_OK;

@@ -206,6 +206,7 @@ static bool give_normals(gw_surfels *s)
 static void add_counts(gw_surfels *all, const gw_surfels *part)
 {
 	all->given_area += part->given_area;
+	all->seen_from_above &= part->seen_from_above;
 	all->non_finite += part->non_finite;
 	all->duplicates += part->duplicates;
 	all->albedo_clamped += part->albedo_clamped;
@@ -224,6 +225,7 @@ static bool append_part(gw_surfels *all, gw_surfels *part)
 {
 	size_t n = all->count, m = part->count, v = 3 * sizeof(float);
 	if (n == 0) {
+		all->seen_from_above = part->seen_from_above;
 		memcpy(all->origin, part->origin, sizeof all->origin);
 		memcpy(all->minimum, part->minimum, sizeof all->minimum);
 		memcpy(all->maximum, part->maximum, sizeof all->maximum);

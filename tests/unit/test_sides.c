@@ -365,7 +365,8 @@ static void add_crown(cloud *c, size_t count, const double centre[3], uint64_t *
 	}
 }
 
-/* The share of surfels that rise or fall at all whose front is up; all points count as bare. */
+/* The share of surfels that rise or fall at all whose front is up; all points count as bare. It is
+ * known of them that somebody above saw them. */
 static double share_up(const cloud *c, const gw_light *light)
 {
 	const gw_points points = { .count = c->count, .position = c->position };
@@ -379,6 +380,7 @@ static double share_up(const cloud *c, const gw_light *light)
 		down += s.normal[3 * i + 2] < -0.3f;
 	}
 	assert_true(up + down > s.count / 2);
+	assert_true(s.seen_from_above);
 	gw_surfels_clear(&s);
 	return (double)up / (double)(up + down);
 }
