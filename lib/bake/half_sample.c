@@ -291,8 +291,9 @@ static double of_surface(double first, double growth)
 void gw_half_sample_add(const gw_half_difference *first, const gw_half_difference *second,
 						double gathered, gw_error_estimate *estimate)
 {
+	double growth = growth_of(gw_half_difference_all(first), gw_half_difference_all(second));
 	double by_rays = growth_by_rays(first, estimate->sides);
-	double surface = of_surface(first->rest, growth_of(first->rest, second->rest));
+	double surface = of_surface(first->rest, growth);
 	/* The two have noise of their own, which is a part of the estimate already. */
 	if (first->rest > 0.0)
 		surface *= sqrt(fmax(1.0 - 2.0 * gathered * gathered / (first->rest * first->rest), 0.0));
