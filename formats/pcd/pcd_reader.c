@@ -461,8 +461,8 @@ static gw_status take_viewpoint(const pcd_header *h, scan *cloud, gw_error *erro
 			return scan_add_comment(cloud,
 									SCAN_NOTE "the file's VIEWPOINT is the default, and rows and "
 											  "columns were not seen from there, nor from any one "
-											  "place: where the scanner stood is not known; "
-											  "--scanner says it",
+											  "place, so that they do not tell where the scanner "
+											  "stood; --scanner says it",
 									error);
 	}
 	return scan_add_scanner(cloud, place, 0, cloud->count, error);

@@ -6,6 +6,7 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 static bool find_position(const scan *cloud, const scan_column *position[3])
 {
@@ -46,7 +47,7 @@ gw_status scan_find_origin(scan *cloud, gw_error *error)
 	const scan_column *position[3], *given[3];
 	double at[3];
 	char text[300];
-	if (cloud->scanner_count > 0 || cloud->image_count > 0 || cloud->count == 0 ||
+	if (cloud->scanner_count > 0 || cloud->image_count > 1 || cloud->count == 0 ||
 		!find_position(cloud, position) || scan_find_triple(cloud, normal, given))
 		return GW_OK;
 	double *place = reallocarray(NULL, cloud->count, 3 * sizeof *place);
@@ -59,6 +60,8 @@ gw_status scan_find_origin(scan *cloud, gw_error *error)
 	free(place);
 	if (!found)
 		return GW_OK;
+	if (cloud->image_count > 0)
+		memcpy(cloud->image[0].scanner, at, sizeof at);
 	GW_TRY(scan_add_scanner(cloud, at, 0, cloud->count, error));
 	snprintf(text, sizeof text,
 			 SCAN_NOTE "the points lie as densely as if one scanner had seen all of them from "

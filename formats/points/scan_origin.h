@@ -16,7 +16,8 @@ bool scan_settle_origin(scan *scan, size_t image);
 
 /*
  * Adds the scanner that took all points of a scan without scanners and normals, where the density
- * of its points tells of one (gw_points_find_scanner), and a note that says so. GW_ERROR_MEMORY.
+ * of its points tells of one (gw_points_find_scanner), and a note that says so. An image of which
+ * nobody knows where it was taken from gets the place. GW_ERROR_MEMORY.
  */
 gw_status scan_find_origin(scan *scan, gw_error *error);
 

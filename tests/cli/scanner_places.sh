@@ -39,6 +39,10 @@ told() { # FILE, places that it was scanned from; 0.05: one neighbourhood of a t
 }
 seen_from 0.3 0.6 0.5 3000 >seen.xyz
 told seen.xyz 0.3,0.6,0.5
+# So is that of rows and columns which no one place sees at even angles.
+{ printf '%s\n' 'VERSION .7' 'FIELDS x y z' 'SIZE 4 4 4' 'TYPE F F F' 'COUNT 1 1 1' 'WIDTH 60' \
+	'HEIGHT 50' 'VIEWPOINT 0 0 0 1 0 0 0' 'POINTS 3000' 'DATA ascii'; cat seen.xyz; } >seen.pcd
+told seen.pcd 0.3,0.6,0.5
 { seen_from 0.3 0.6 0.5 7000; seen_from 0.7 0.3 0.4 7000; } >both.xyz
 told both.xyz ''
 noted() { # options
