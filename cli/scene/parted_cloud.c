@@ -61,6 +61,13 @@ static size_t points_for(uint64_t memory, uint64_t count)
 	return kept < KEPT_LEAST ? 0 : (size_t)(kept < KEPT_MOST ? kept : KEPT_MOST);
 }
 
+/* About so many points, such that what is read at once is in one part. */
+static uint64_t whole_groups(const parted_cloud *parted, uint64_t part)
+{
+	uint64_t together = parted->file.together;
+	return part > together ? part / together * together : together;
+}
+
 gw_status parted_cloud_open(const settings *s, const format *output, parted_cloud *parted,
 							gw_error *error)
 {
@@ -71,8 +78,11 @@ gw_status parted_cloud_open(const settings *s, const format *output, parted_clou
 	GW_TRY(format_parts_open(s->input[0].path, &options, &parted->file, error));
 	if (!parted->file.found)
 		return GW_OK;
+	if (parted->file.together > PART_MOST)
+		return GW_OK;
 	uint64_t part = parted->file.count / PARTS_WANTED;
-	parted->part = part < PART_LEAST ? PART_LEAST : part < PART_MOST ? (size_t)part : PART_MOST;
+	part = part < PART_LEAST ? PART_LEAST : part < PART_MOST ? part : PART_MOST;
+	parted->part = (size_t)whole_groups(parted, part);
 	parted->most = points_for(memory_for(s), parted->file.count);
 	return GW_OK;
 }
@@ -96,9 +106,10 @@ static gw_status read_points(parted_cloud *parted, uint64_t first, size_t count,
 
 static gw_status thin(parted_cloud *parted, scan_thinning *thinning, gw_error *error)
 {
-	for (uint64_t first = 0; first < parted->file.count; first += PART_MOST) {
+	size_t step = (size_t)whole_groups(parted, PART_MOST);
+	for (uint64_t first = 0; first < parted->file.count; first += step) {
 		scan part;
-		GW_TRY(read_points(parted, first, PART_MOST, &part, error));
+		GW_TRY(read_points(parted, first, step, &part, error));
 		gw_status status = scan_thinning_add(thinning, &part, error);
 		scan_clear(&part);
 		GW_TRY(status);
@@ -118,7 +129,7 @@ static gw_status choose(parted_cloud *parted, scan *cloud, gw_error *error)
 	if (status == GW_OK && cloud->count == 0)
 		status = gw_fail(error, GW_ERROR_DATA, "%s has no point whose place is finite",
 						 parted->file.in.name);
-	return status;
+	return status == GW_OK ? format_parts_settle(&parted->file, cloud, error) : status;
 }
 
 /* The same, or what the journal has of it. */
@@ -140,6 +151,8 @@ gw_status parted_cloud_thin(parted_cloud *parted, scan *cloud, gw_error *error)
 	*cloud = (scan){ 0 };
 	gw_status status =
 		parted->journal ? choose_or_load(parted, cloud, error) : choose(parted, cloud, error);
+	if (status == GW_OK)
+		status = format_parts_follow(&parted->file, cloud, error);
 	if (status == GW_OK)
 		status = scan_told_find(cloud, &parted->told, error);
 	if (status != GW_OK)

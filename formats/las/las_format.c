@@ -36,6 +36,9 @@ const format las_format = {
 	.extensions = las_extensions,
 	.probe = probe_las,
 	.read = las_read,
+	.count_rows = las_count_rows,
+	.read_rows = las_read_rows,
+	.settle_rows = las_settle_rows,
 	.accept = las_accept,
 	.row_bytes = 30, /* of the smallest record that is written */
 	.write = las_write,
@@ -47,4 +50,7 @@ const format laz_format = {
 	.extensions = laz_extensions,
 	.probe = probe_laz,
 	.read = las_read,
+	.count_rows = las_count_rows,
+	.read_rows = las_read_rows,
+	.settle_rows = las_settle_rows,
 };

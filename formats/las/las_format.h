@@ -20,6 +20,13 @@ extern const format las_format, laz_format;
 /* As format.read, for both. */
 gw_status las_read(input_file *in, scan *cloud, gw_error *error);
 
+/* As format.count_rows and its fellows. Points are read in parts unless some field's column hangs
+ * on all of its values, as that of integers of 64 bits does. That the header's bounds are wrong is
+ * not said then. */
+uint64_t las_count_rows(input_file *in, uint64_t *together);
+gw_status las_read_rows(input_file *in, const format_rows *rows, scan *cloud, gw_error *error);
+gw_status las_settle_rows(input_file *in, const bool *zero, scan *kept, gw_error *error);
+
 /*
  * As format.write: LAS 1.4, to files and pipes.
  *

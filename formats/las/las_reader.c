@@ -28,7 +28,9 @@ typedef struct reader {
 	const input_file *in;
 	las_header header;
 	las_layout layout;
-	void **data; /* for each field its column's values */
+	format_rows rows; /* that are read */
+	void **data;      /* for each field its column's values */
+	bool *zero;       /* for each field whether it is 0 at all points of the file */
 	scan *cloud;
 	gw_error *error;
 } reader;
@@ -98,20 +100,23 @@ static void take_field(const las_field *field, void *data, size_t first, size_t 
 	}
 }
 
+/* first   number of the first one in the file */
 static void take_points(void *user, size_t first, size_t count, const uint8_t *records)
 {
 	const reader *r = user;
+	size_t row = first - (size_t)r->rows.first;
 	for (size_t f = 0; f < r->layout.count; f++)
-		take_field(&r->layout.field[f], r->data[f], first, count,
-				   records + r->layout.field[f].place, r->header.record);
+		take_field(&r->layout.field[f], r->data[f], row, count, records + r->layout.field[f].place,
+				   r->header.record);
 }
 
 static void take_block(void *user, size_t first, size_t last, uint32_t worker)
 {
 	const reader *r = user;
 	(void)worker;
-	const uint8_t *begin = r->in->data + r->header.points + first * r->header.record;
-	take_points(user, first, last - first, begin);
+	size_t row = (size_t)r->rows.first + first;
+	const uint8_t *begin = r->in->data + r->header.points + row * r->header.record;
+	take_points(user, row, last - first, begin);
 	input_file_discard(r->in, begin, begin + (last - first) * r->header.record);
 }
 
@@ -160,7 +165,6 @@ static gw_status read_plain(reader *r)
 					   " points of %zu bytes, but from byte %zu on "
 					   "there is room for %" PRIu64 "; the file is cut short or damaged",
 					   r->in->name, h->count, h->record, h->points, there);
-	r->cloud->count = (size_t)h->count;
 	GW_TRY(add_columns(r));
 	gw_parallel_for(r->in->threads, r->cloud->count, BLOCK_POINTS, take_block, r);
 	return GW_OK;
@@ -170,10 +174,9 @@ static gw_status read_compressed(reader *r)
 {
 	laz_stream *stream;
 	GW_TRY(laz_open(&stream, r->in, &r->header, r->error));
-	r->cloud->count = (size_t)r->header.count;
 	gw_status status = add_columns(r);
 	if (status == GW_OK)
-		status = laz_decode(stream, take_points, r, r->error);
+		status = laz_decode(stream, &r->rows, take_points, r, r->error);
 	laz_close(&stream);
 	return status;
 }
@@ -185,6 +188,32 @@ static bool all_zero(const scan *cloud, const scan_column *column)
 	const uint8_t *bytes = column->data;
 	size_t size = cloud->count * scan_type_size(column->type);
 	return size == 0 || (bytes[0] == 0 && memcmp(bytes, bytes + 1, size - 1) == 0);
+}
+
+/* Whether a field holds nothing; also one that is not there. */
+static bool is_zero(const reader *r, const char *name)
+{
+	for (size_t f = 0; f < r->layout.count; f++)
+		if (strcmp(r->layout.field[f].name, name) == 0)
+			return r->zero[f];
+	return true;
+}
+
+static gw_status allocate_zero(reader *r)
+{
+	r->zero = calloc(r->layout.count, sizeof *r->zero);
+	return r->zero
+			   ? GW_OK
+			   : gw_fail(r->error, GW_ERROR_MEMORY, "no memory for the fields of %s", r->in->name);
+}
+
+/* As long as columns are those of the fields. */
+static gw_status find_zeros(reader *r)
+{
+	GW_TRY(allocate_zero(r));
+	for (size_t f = 0; f < r->layout.count; f++)
+		r->zero[f] = all_zero(r->cloud, &r->cloud->column[f]);
+	return GW_OK;
 }
 
 /* Integers of 64 bits become doubles, or when those cannot hold them two columns of 32 bits. */
@@ -221,9 +250,8 @@ static gw_status settle_wide(reader *r, const las_field *field)
 /* An extra value called like a field that holds nothing takes its place. */
 static gw_status take_place(reader *r, const las_field *field)
 {
-	scan_column *empty = scan_find(r->cloud, field->standard);
 	scan_column *column = scan_find(r->cloud, field->name);
-	if (!column || (empty && !all_zero(r->cloud, empty)))
+	if (!column || !is_zero(r, field->standard))
 		return GW_OK;
 	char *name = strdup(field->standard);
 	if (!name)
@@ -238,11 +266,10 @@ static gw_status take_place(reader *r, const las_field *field)
 /* Colours that are zero at all points are a scanner without a camera. */
 static gw_status settle_colors(reader *r)
 {
-	for (int k = 0; k < 3; k++) {
-		const scan_column *column = scan_find(r->cloud, scan_color_names[k]);
-		if (!column || r->cloud->count == 0 || !all_zero(r->cloud, column))
+	for (int k = 0; k < 3; k++)
+		if (!scan_find(r->cloud, scan_color_names[k]) || r->cloud->count == 0 ||
+			!is_zero(r, scan_color_names[k]))
 			return GW_OK;
-	}
 	for (int k = 0; k < 3; k++)
 		scan_remove_column(r->cloud, scan_color_names[k]);
 	return las_note(r->cloud, r->error, "all colours are zero, which counts as none");
@@ -255,7 +282,7 @@ static gw_status settle_columns(reader *r)
 	for (size_t f = 0; f < layout->count; f++) {
 		const las_field *field = &layout->field[f];
 		const scan_column *column = scan_find(r->cloud, field->name);
-		if (field->optional && column && all_zero(r->cloud, column))
+		if (field->optional && column && r->zero[f])
 			scan_remove_column(r->cloud, field->name);
 		else if (column && !field->scaled &&
 				 (field->kind == LAS_UINT64 || field->kind == LAS_INT64))
@@ -289,28 +316,119 @@ static gw_status check_bounds(reader *r)
 					"the header's bounds are wrong by up to %g; those of the points hold", worst);
 }
 
-static gw_status read_all(reader *r)
+/* What stands before the points.
+ *   notes   receives comments */
+static gw_status read_head(reader *r, scan *notes)
 {
-	GW_TRY(las_header_parse(&r->header, r->in, r->cloud, r->error));
+	GW_TRY(las_header_parse(&r->header, r->in, notes, r->error));
 	GW_TRY(
 		las_layout_make(&r->layout, r->header.format, r->header.scale, r->header.offset, r->error));
-	GW_TRY(las_layout_add_extra(&r->layout, &r->header, r->cloud, r->error));
+	return las_layout_add_extra(&r->layout, &r->header, notes, r->error);
+}
+
+/* Those of the rows that are there, as they stand. */
+static gw_status read_points(reader *r, const format_rows *rows)
+{
+	GW_TRY(read_head(r, r->cloud));
+	uint64_t count = r->header.count, first = rows->first < count ? rows->first : count;
+	r->rows = (format_rows){ first, rows->count < count - first ? rows->count : count - first };
+	r->cloud->count = (size_t)r->rows.count;
 	r->cloud->noise_classes =
 		r->header.format < FIRST_HIGH_NOISE ? LOW_NOISE : LOW_NOISE | HIGH_NOISE;
-	GW_TRY(r->header.compressed ? read_compressed(r) : read_plain(r));
+	return r->header.compressed ? read_compressed(r) : read_plain(r);
+}
+
+static gw_status read_all(reader *r)
+{
+	GW_TRY(read_points(r, &(format_rows){ 0, UINT64_MAX }));
+	GW_TRY(find_zeros(r));
 	GW_TRY(check_bounds(r));
 	GW_TRY(settle_columns(r));
 	return las_flight_find(r->cloud, r->error);
+}
+
+static gw_status finish(reader *r, gw_status status)
+{
+	las_layout_clear(&r->layout);
+	free(r->data);
+	free(r->zero);
+	if (status != GW_OK)
+		scan_clear(r->cloud);
+	return status;
 }
 
 gw_status las_read(input_file *in, scan *cloud, gw_error *error)
 {
 	*cloud = (scan){ .up = 'z' };
 	reader r = { .in = in, .cloud = cloud, .error = error };
-	gw_status status = read_all(&r);
-	las_layout_clear(&r.layout);
-	free(r.data);
-	if (status != GW_OK)
-		scan_clear(cloud);
-	return status;
+	return finish(&r, read_all(&r));
+}
+
+/* ------------------------------------------------------------------------------------ in parts */
+
+/* What a field becomes has to be known without its values. */
+static bool has_plain_fields(const las_layout *layout)
+{
+	bool plain = true;
+	for (size_t f = 0; f < layout->count; f++) {
+		const las_field *field = &layout->field[f];
+		bool wide = field->kind == LAS_UINT64 || field->kind == LAS_INT64;
+		plain = plain && !field->standard[0] && (field->scaled || !wide);
+	}
+	return plain;
+}
+
+/* 0 where they are not all there. */
+static uint64_t points_together(const reader *r)
+{
+	const las_header *h = &r->header;
+	laz_stream *stream;
+	if (!h->compressed)
+		return h->points <= r->in->length && (r->in->length - h->points) / h->record >= h->count;
+	if (laz_open(&stream, r->in, h, r->error) != GW_OK)
+		return 0;
+	uint64_t together = laz_chunk_points(stream);
+	laz_close(&stream);
+	return together;
+}
+
+uint64_t las_count_rows(input_file *in, uint64_t *together)
+{
+	scan notes = { 0 };
+	gw_error ignored = { 0 };
+	reader r = { .in = in, .cloud = &notes, .error = &ignored };
+	*together = 0;
+	if (read_head(&r, &notes) == GW_OK && has_plain_fields(&r.layout))
+		*together = points_together(&r);
+	scan_clear(&notes);
+	finish(&r, GW_OK);
+	return *together > 0 ? r.header.count : 0;
+}
+
+gw_status las_read_rows(input_file *in, const format_rows *rows, scan *cloud, gw_error *error)
+{
+	*cloud = (scan){ .up = 'z' };
+	reader r = { .in = in, .cloud = cloud, .error = error };
+	return finish(&r, read_points(&r, rows));
+}
+
+static gw_status settle_rows(reader *r, const bool *zero)
+{
+	scan notes = { 0 };
+	gw_status status = read_head(r, &notes);
+	scan_clear(&notes);
+	GW_TRY(status);
+	GW_TRY(allocate_zero(r));
+	for (size_t f = 0; f < r->layout.count; f++) {
+		const scan_column *column = scan_find(r->cloud, r->layout.field[f].name);
+		r->zero[f] = column && zero[column - r->cloud->column];
+	}
+	GW_TRY(settle_columns(r));
+	return las_flight_find(r->cloud, r->error);
+}
+
+gw_status las_settle_rows(input_file *in, const bool *zero, scan *kept, gw_error *error)
+{
+	reader r = { .in = in, .cloud = kept, .error = error };
+	return finish(&r, settle_rows(&r, zero));
 }

@@ -34,8 +34,10 @@ struct laz_stream {
 	uint32_t chunk_size;
 	chunk *chunk; /* owned */
 	size_t chunk_count;
+	size_t begin;        /* number of the first one that is asked for */
 	laz_points **worker; /* owned; worker_count, made when one has its first chunk */
 	uint32_t worker_count;
+	format_rows rows; /* that are asked for */
 	laz_sink *sink;
 	void *user;
 	atomic_size_t failed; /* lowest number of a chunk with trouble */
@@ -269,7 +271,18 @@ static gw_status take_whole(laz_stream *s, gw_error *error)
 
 /* --------------------------------------------------------------------------------- decoding */
 
-/* Decodes a chunk. Returns what is wrong with it. */
+/* Hands on those of the points from number `first` on that were asked for. */
+static void hand_on(const laz_stream *s, uint64_t first, size_t count, const uint8_t *records)
+{
+	uint64_t from = first > s->rows.first ? first : s->rows.first;
+	uint64_t last = first + count, end = s->rows.first + s->rows.count;
+	last = last < end ? last : end;
+	if (s->sink && from < last)
+		s->sink(s->user, (size_t)from, (size_t)(last - from),
+				records + (from - first) * s->items.record);
+}
+
+/* Decodes a chunk, as far as it is asked for. Returns what is wrong with it. */
 static laz_trouble decode(laz_stream *s, laz_points *points, const chunk *k)
 {
 	_Alignas(8) uint8_t block[BLOCK_POINTS * 68];
@@ -281,18 +294,21 @@ static laz_trouble decode(laz_stream *s, laz_points *points, const chunk *k)
 	capacity = capacity ? capacity : 1;
 	bool started = laz_points_start(points, s->in->data + k->start, k->length, k->count);
 	laz_trouble trouble = started ? LAZ_FINE : LAZ_DAMAGED;
-	for (uint64_t done = 0; done < k->count && trouble == LAZ_FINE;) {
-		size_t n = k->count - done < capacity ? (size_t)(k->count - done) : capacity;
+	uint64_t end = s->rows.first + s->rows.count - k->first;
+	end = end < k->count ? end : k->count;
+	for (uint64_t done = 0; done < end && trouble == LAZ_FINE;) {
+		size_t n = end - done < capacity ? (size_t)(end - done) : capacity;
 		for (size_t i = 0; i < n; i++)
 			laz_points_next(points, records + i * record);
 		trouble = laz_points_trouble(points);
-		if (trouble == LAZ_FINE && s->sink)
-			s->sink(s->user, (size_t)(k->first + done), n, records);
+		if (trouble == LAZ_FINE)
+			hand_on(s, k->first + done, n, records);
 		done += n;
 	}
 	free(large);
 	/* Readers that take chunks from a stream find the next one only if this one ends with it. */
-	if (trouble == LAZ_FINE && s->compressor == CHUNKED && k->count > 1 && laz_points_left(points))
+	if (trouble == LAZ_FINE && end == k->count && s->compressor == CHUNKED && k->count > 1 &&
+		laz_points_left(points))
 		trouble = LAZ_DAMAGED;
 	return trouble;
 }
@@ -300,7 +316,7 @@ static laz_trouble decode(laz_stream *s, laz_points *points, const chunk *k)
 static void decode_chunks(void *user, size_t first, size_t last, uint32_t worker)
 {
 	laz_stream *s = user;
-	for (size_t c = first; c < last && c < atomic_load(&s->failed); c++) {
+	for (size_t c = s->begin + first; c < s->begin + last && c < atomic_load(&s->failed); c++) {
 		if (!s->worker[worker])
 			s->worker[worker] = laz_points_create(&s->items);
 		laz_trouble trouble =
@@ -333,12 +349,33 @@ static gw_status explain(laz_stream *s, gw_error *error)
 								 : "holds what no compressor writes");
 }
 
-gw_status laz_decode(laz_stream *s, laz_sink *sink, void *user, gw_error *error)
+/* The number of the first chunk that ends behind a point. */
+static size_t chunk_behind(const laz_stream *s, uint64_t point)
 {
+	size_t low = 0, high = s->chunk_count;
+	while (low < high) {
+		size_t middle = low + (high - low) / 2;
+		if (s->chunk[middle].first + s->chunk[middle].count <= point)
+			low = middle + 1;
+		else
+			high = middle;
+	}
+	return low;
+}
+
+gw_status laz_decode(laz_stream *s, const format_rows *rows, laz_sink *sink, void *user,
+					 gw_error *error)
+{
+	if (rows->count == 0)
+		return GW_OK;
+	s->rows = *rows;
 	s->sink = sink;
 	s->user = user;
+	s->begin = chunk_behind(s, rows->first);
+	size_t last = chunk_behind(s, rows->first + rows->count - 1);
+	last += last < s->chunk_count;
 	atomic_store(&s->failed, SIZE_MAX);
-	gw_parallel_for(s->worker_count, s->chunk_count, 1, decode_chunks, s);
+	gw_parallel_for(s->worker_count, last - s->begin, 1, decode_chunks, s);
 	return atomic_load(&s->failed) == SIZE_MAX ? GW_OK : explain(s, error);
 }
 
@@ -350,7 +387,7 @@ static gw_status try_counts(laz_stream *s, gw_error *error)
 {
 	for (size_t c = 0; c < s->chunk_count; c++)
 		if (s->chunk[c].count / BELIEVED > s->chunk[c].length)
-			return laz_decode(s, NULL, NULL, error);
+			return laz_decode(s, &(format_rows){ 0, s->header->count }, NULL, NULL, error);
 	return GW_OK;
 }
 
@@ -383,6 +420,11 @@ gw_status laz_open(laz_stream **stream, const input_file *in, const las_header *
 	if (status != GW_OK)
 		laz_close(stream);
 	return status;
+}
+
+uint64_t laz_chunk_points(const laz_stream *s)
+{
+	return s->chunk_count == 1 ? s->chunk[0].count : s->chunk_size == VARIABLE ? 1 : s->chunk_size;
 }
 
 void laz_close(laz_stream **stream)

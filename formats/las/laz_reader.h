@@ -9,6 +9,7 @@
 #define LAZ_READER_H
 
 #include "las/las_header.h"
+#include "points/format.h"
 
 typedef struct laz_stream laz_stream;
 
@@ -29,8 +30,13 @@ typedef void laz_sink(void *user, size_t first, size_t count, const uint8_t *rec
 gw_status laz_open(laz_stream **stream, const input_file *in, const las_header *header,
 				   gw_error *error);
 
-/* Decodes all points. Errors: as above; the one of the first bad chunk, whatever the threads. */
-gw_status laz_decode(laz_stream *stream, laz_sink *sink, void *user, gw_error *error);
+/* Decodes some of the points, for which the chunks that they lie in are decoded from their
+ * beginning. Errors: as above; the one of the first bad chunk, whatever the threads. */
+gw_status laz_decode(laz_stream *stream, const format_rows *rows, laz_sink *sink, void *user,
+					 gw_error *error);
+
+/* How many points a chunk has; 1 where they have different numbers. */
+uint64_t laz_chunk_points(const laz_stream *stream);
 
 void laz_close(laz_stream **stream);
 

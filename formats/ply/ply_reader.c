@@ -604,13 +604,14 @@ static bool has_rows(const ply_header *header, const input_file *in, size_t *byt
 	return vertex->count == room || (vertex->count < room && header->element_count > 1);
 }
 
-uint64_t ply_count_rows(input_file *in)
+uint64_t ply_count_rows(input_file *in, uint64_t *together)
 {
 	scan comments = { 0 };
 	ply_header header;
 	gw_error ignored = { 0 };
 	size_t bytes;
 	uint64_t count = 0;
+	*together = 1;
 	if (ply_header_parse(&header, in, &comments, &ignored) == GW_OK) {
 		if (has_rows(&header, in, &bytes))
 			count = header.element[header.vertex].count;

@@ -30,13 +30,21 @@ typedef struct format {
 	gw_status (*read)(struct input_file *in, scan *scan, gw_error *error);
 
 	/* How many points a file has, where they can be read in parts; 0 where they can not. NULL: they
-	 * never can. */
-	uint64_t (*count_rows)(struct input_file *in);
+	 * never can.
+	 *   together   receives how many are read at once: parts of a multiple of that cost the least
+	 */
+	uint64_t (*count_rows)(struct input_file *in, uint64_t *together);
 
 	/* Reads the points [first, first + count), as read would have them, with all else that the file
 	 * says. On failure *scan is empty. */
 	gw_status (*read_rows)(struct input_file *in, const format_rows *rows, scan *scan,
 						   gw_error *error);
+
+	/* Does what read does with the points of a whole file, and read_rows cannot do with a part, to
+	 * points that were kept of all parts: it leaves out columns that hold nothing, finds scanners.
+	 * NULL: nothing.
+	 *   zero   kept->column_count: whether a column is 0 at all points of the file */
+	gw_status (*settle_rows)(struct input_file *in, const bool *zero, scan *kept, gw_error *error);
 
 	/* Whether the format can hold the coordinates of a scan; NULL: those of any.
 	 *   name   of the file, for messages */

@@ -11,7 +11,7 @@
 typedef struct head {
 	uint64_t count, left_out, columns, comments, scanners;
 	uint32_t noise_classes;
-	uint8_t up, says_up, none[2];
+	uint8_t up, says_up, seen, none; /* seen: which scanner saw which point follows */
 } head;
 
 static gw_status put(const gw_byte_sink *to, const void *bytes, size_t length, gw_error *error)
@@ -35,7 +35,8 @@ gw_status scan_bytes_save(const scan *cloud, const gw_byte_sink *to, gw_error *e
 					 .scanners = cloud->scanner_count,
 					 .noise_classes = cloud->noise_classes,
 					 .up = (uint8_t)cloud->up,
-					 .says_up = cloud->says_up };
+					 .says_up = cloud->says_up,
+					 .seen = cloud->scanner_of != NULL };
 	GW_TRY(put(to, &h, sizeof h, error));
 	for (size_t c = 0; c < cloud->comment_count; c++)
 		GW_TRY(put_text(to, cloud->comment[c], error));
@@ -46,7 +47,9 @@ gw_status scan_bytes_save(const scan *cloud, const gw_byte_sink *to, gw_error *e
 		GW_TRY(put(to, &type, sizeof type, error));
 		GW_TRY(put(to, column->data, cloud->count * scan_type_size(column->type), error));
 	}
-	return put(to, cloud->scanner, 3 * cloud->scanner_count * sizeof *cloud->scanner, error);
+	GW_TRY(put(to, cloud->scanner, 3 * cloud->scanner_count * sizeof *cloud->scanner, error));
+	return h.seen ? put(to, cloud->scanner_of, cloud->count * sizeof *cloud->scanner_of, error)
+				  : GW_OK;
 }
 
 /* ---------------------------------------------------------------------------------- from bytes */
@@ -102,6 +105,19 @@ static gw_status take_column(const gw_byte_source *from, scan *cloud, gw_error *
 	return status;
 }
 
+static gw_status take_scanners(const gw_byte_source *from, const head *h, scan *cloud,
+							   gw_error *error)
+{
+	size_t count = (size_t)h->scanners, seen = h->seen ? cloud->count : 0;
+	cloud->scanner = count > 0 ? reallocarray(NULL, count, 3 * sizeof *cloud->scanner) : NULL;
+	cloud->scanner_of = seen > 0 ? reallocarray(NULL, seen, sizeof *cloud->scanner_of) : NULL;
+	if ((count > 0 && !cloud->scanner) || (seen > 0 && !cloud->scanner_of))
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu scanners", count);
+	cloud->scanner_count = count;
+	GW_TRY(take(from, cloud->scanner, 3 * count * sizeof *cloud->scanner, error));
+	return take(from, cloud->scanner_of, seen * sizeof *cloud->scanner_of, error);
+}
+
 static gw_status take_all(const gw_byte_source *from, scan *cloud, gw_error *error)
 {
 	head h;
@@ -118,12 +134,7 @@ static gw_status take_all(const gw_byte_source *from, scan *cloud, gw_error *err
 		GW_TRY(take_comment(from, cloud, error));
 	for (uint64_t c = 0; c < h.columns; c++)
 		GW_TRY(take_column(from, cloud, error));
-	for (uint64_t k = 0; k < h.scanners; k++) {
-		double place[3];
-		GW_TRY(take(from, place, sizeof place, error));
-		GW_TRY(scan_add_scanner(cloud, place, 0, cloud->count, error));
-	}
-	return GW_OK;
+	return take_scanners(from, &h, cloud, error);
 }
 
 gw_status scan_bytes_load(const gw_byte_source *from, scan *cloud, gw_error *error)

@@ -1,7 +1,7 @@
 /*
  * scan_bytes.h - a scan as bytes, as memory has its numbers, for another process of the same
- * program: its columns, comments, which axis is up, where scanners stood. Not which scanner saw
- * which point, nor images.
+ * program: its columns, comments, which axis is up, where scanners stood and which of them saw
+ * which point. Not images.
  */
 #ifndef SCAN_BYTES_H
 #define SCAN_BYTES_H

@@ -3,6 +3,9 @@
 
 #include "table/format_table.h"
 
+#include <stdlib.h>
+#include <string.h>
+
 gw_status format_parts_open(const char *path, const format_options *options, format_parts *parts,
 							gw_error *error)
 {
@@ -13,13 +16,13 @@ gw_status format_parts_open(const char *path, const format_options *options, for
 	/* What was copied is gone once it was read. */
 	bool mapped = parts->in.storage == INPUT_FILE_MAPPED;
 	if (mapped && found && found->count_rows)
-		parts->count = found->count_rows(&parts->in);
+		parts->count = found->count_rows(&parts->in, &parts->together);
 	parts->found = parts->count > 0 ? found : NULL;
 	return GW_OK;
 }
 
-gw_status format_parts_read(format_parts *parts, uint64_t first, size_t count, scan *part,
-							gw_error *error)
+static gw_status read_part(format_parts *parts, uint64_t first, size_t count, scan *part,
+						   gw_error *error)
 {
 	uint64_t left = first < parts->count ? parts->count - first : 0;
 	const format_rows rows = { first, count < left ? count : left };
@@ -28,8 +31,74 @@ gw_status format_parts_read(format_parts *parts, uint64_t first, size_t count, s
 	return format_finish(part, status, error);
 }
 
+static bool is_zero(const scan_column *column, size_t count)
+{
+	const uint8_t *bytes = column->data;
+	size_t size = count * scan_type_size(column->type);
+	return size == 0 || (bytes[0] == 0 && memcmp(bytes, bytes + 1, size - 1) == 0);
+}
+
+static gw_status note_zeros(format_parts *parts, const scan *part, gw_error *error)
+{
+	if (!parts->zero) {
+		parts->columns = part->column_count;
+		parts->zero = malloc(parts->columns + 1);
+		if (!parts->zero)
+			return gw_fail(error, GW_ERROR_MEMORY, "no memory for the columns of %s",
+						   parts->in.name);
+		memset(parts->zero, true, parts->columns);
+	}
+	for (size_t c = 0; c < parts->columns && c < part->column_count; c++)
+		parts->zero[c] = parts->zero[c] && is_zero(&part->column[c], part->count);
+	return GW_OK;
+}
+
+static void leave_out(const format_parts *parts, scan *part)
+{
+	for (size_t c = parts->columns; c-- > 0;)
+		if (parts->left_out[c] && c < part->column_count)
+			scan_remove_column(part, part->column[c].name);
+}
+
+gw_status format_parts_read(format_parts *parts, uint64_t first, size_t count, scan *part,
+							gw_error *error)
+{
+	GW_TRY(read_part(parts, first, count, part, error));
+	if (parts->left_out) {
+		leave_out(parts, part);
+		return GW_OK;
+	}
+	gw_status status = note_zeros(parts, part, error);
+	if (status != GW_OK)
+		scan_clear(part);
+	return status;
+}
+
+gw_status format_parts_settle(format_parts *parts, scan *kept, gw_error *error)
+{
+	if (!parts->found->settle_rows || !parts->zero || kept->column_count != parts->columns)
+		return GW_OK;
+	return parts->found->settle_rows(&parts->in, parts->zero, kept, error);
+}
+
+gw_status format_parts_follow(format_parts *parts, const scan *kept, gw_error *error)
+{
+	scan one;
+	GW_TRY(read_part(parts, 0, 1, &one, error));
+	parts->columns = one.column_count;
+	parts->left_out = calloc(parts->columns + 1, sizeof *parts->left_out);
+	for (size_t c = 0; c < parts->columns && parts->left_out; c++)
+		parts->left_out[c] = !scan_find(kept, one.column[c].name);
+	scan_clear(&one);
+	return parts->left_out
+			   ? GW_OK
+			   : gw_fail(error, GW_ERROR_MEMORY, "no memory for the columns of %s", parts->in.name);
+}
+
 void format_parts_close(format_parts *parts)
 {
 	input_file_close(&parts->in);
+	free(parts->zero);
+	free(parts->left_out);
 	*parts = (format_parts){ .found = NULL };
 }

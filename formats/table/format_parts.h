@@ -11,6 +11,11 @@ typedef struct format_parts {
 	input_file in;
 	const format *found; /* NULL: the file cannot be read in parts */
 	uint64_t count;      /* points of the file */
+	uint64_t together;   /* that are read at once: see format.count_rows */
+	/* Of the columns that parts come with: */
+	bool *zero;     /* 0 at all points that were read */
+	bool *left_out; /* not in what was kept; NULL: none yet */
+	size_t columns;
 } format_parts;
 
 /*
@@ -25,11 +30,20 @@ gw_status format_parts_open(const char *path, const format_options *options, for
 
 /*
  * Reads the points [first, first + count), or those of them that there are; what else the file says
- * is in every part.
+ * is in every part, but what only all of its points tell is in none.
  *   part   to be freed with scan_clear; empty on failure
  */
 gw_status format_parts_read(format_parts *parts, uint64_t first, size_t count, scan *part,
 							gw_error *error);
+
+/*
+ * Finishes points that were kept of all parts, each of which has been read: columns of no use are
+ * left out, and scanners found. GW_ERROR_MEMORY.
+ */
+gw_status format_parts_settle(format_parts *parts, scan *kept, gw_error *error);
+
+/* From now on parts have the columns that such points have. Fails like format_parts_read. */
+gw_status format_parts_follow(format_parts *parts, const scan *kept, gw_error *error);
 
 void format_parts_close(format_parts *parts);
 

@@ -267,7 +267,7 @@ static void scans_come_back(void **state)
 	(void)state;
 	static bytes b;
 	gw_error error;
-	const double place[3] = { 1, 2, 3 };
+	const double place[3] = { 1, 2, 3 }, other[3] = { 4, 5, 6 };
 	scan cloud = { .count = 3, .up = 'y', .says_up = true, .noise_classes = 5 }, back;
 	memcpy(scan_add_column(&cloud, "x", SCAN_FLOAT64, &error)->data, (double[]){ 1.5, 2, 3 }, 24);
 	memcpy(scan_add_column(&cloud, "red", SCAN_UINT8, &error)->data, "abc", 3);
@@ -275,12 +275,19 @@ static void scans_come_back(void **state)
 	assert_ok(scan_add_scanner(&cloud, place, 0, 3, &error), &error);
 	assert_ok(scan_bytes_save(&cloud, &(gw_byte_sink){ put, &b }, &error), &error);
 	assert_ok(scan_bytes_load(&(gw_byte_source){ get, &b }, &back, &error), &error);
+	assert_true(back.scanner_count == 1 && back.scanner[2] == 3.0 && !back.scanner_of);
+	scan_clear(&back);
+	b.length = b.at = 0;
+	assert_ok(scan_add_scanner(&cloud, other, 2, 1, &error), &error);
+	assert_ok(scan_bytes_save(&cloud, &(gw_byte_sink){ put, &b }, &error), &error);
+	assert_ok(scan_bytes_load(&(gw_byte_source){ get, &b }, &back, &error), &error);
 	assert_int_equal(b.at, b.length);
 	assert_true(back.count == 3 && back.up == 'y' && back.says_up && back.noise_classes == 5);
 	assert_true(scan_value(scan_find(&back, "x"), 0) == 1.5);
 	assert_true(scan_value(scan_find(&back, "red"), 2) == 'c');
 	assert_string_equal(back.comment[0], "made by hand");
-	assert_true(back.scanner_count == 1 && back.scanner[2] == 3.0 && !back.scanner_of);
+	assert_true(back.scanner_count == 2 && back.scanner[5] == 6.0);
+	assert_true(back.scanner_of && back.scanner_of[1] == 0 && back.scanner_of[2] == 1);
 	scan_clear(&back);
 	for (size_t whole = b.length; b.length > 0; b.length = b.length * 2 / 3) {
 		b.at = 0;

@@ -279,6 +279,76 @@ static void any_number_of_threads(void **state)
 	scan_clear(&single);
 }
 
+/* Which columns of a part hold nothing, as far as it goes. */
+static void note_zeros(const scan *part, bool *zero)
+{
+	for (size_t c = 0; c < part->column_count; c++)
+		for (size_t i = 0; i < part->count; i++)
+			zero[c] = zero[c] && scan_value(&part->column[c], i) == 0.0;
+}
+
+/* Waveforms have numbers of 64 bits, of which all have to be seen. */
+static bool can_be_parted(unsigned kind)
+{
+	return kind < 4 || (kind > 5 && kind < 9);
+}
+
+/* Reads a file by seven points at a time, in the middle of chunks too, against all of it. */
+static void read_in_parts(input_file *in, const scan *whole, const char *what)
+{
+	gw_error error;
+	uint64_t together;
+	bool zero[64];
+	scan part;
+	memset(zero, true, sizeof zero);
+	assert_int_equal(las_count_rows(in, &together), LAZ_SAMPLE_POINTS);
+	assert_in_range(together, 1, LAZ_SAMPLE_POINTS);
+	for (size_t first = 0; first < LAZ_SAMPLE_POINTS; first += 7) {
+		assert_int_equal(las_read_rows(in, &(format_rows){ first, 7 }, &part, &error), GW_OK);
+		assert_int_equal(part.count, LAZ_SAMPLE_POINTS - first < 7 ? LAZ_SAMPLE_POINTS - first : 7);
+		for (size_t c = 0; c < whole->column_count; c++) {
+			size_t size = scan_type_size(whole->column[c].type);
+			if (memcmp(scan_find(&part, whole->column[c].name)->data,
+					   (const char *)whole->column[c].data + first * size, part.count * size) != 0)
+				fail_msg("%s: column %s differs from point %zu on", what, whole->column[c].name,
+						 first);
+		}
+		note_zeros(&part, zero);
+		scan_clear(&part);
+	}
+	/* Columns that hold nothing go by what all parts had. */
+	assert_int_equal(las_read_rows(in, &(format_rows){ 0, UINT64_MAX }, &part, &error), GW_OK);
+	assert_true(part.column_count > whole->column_count);
+	assert_int_equal(las_settle_rows(in, zero, &part, &error), GW_OK);
+	same_columns(&part, whole, what);
+	scan_clear(&part);
+}
+
+static void files_in_parts(void **state)
+{
+	(void)state;
+	int parted = 0;
+	static uint8_t packed[LAZ_SAMPLE_BYTES], plain[LAZ_SAMPLE_BYTES];
+	for (int s = 0; s < LAZ_SAMPLES; s++) {
+		const laz_sample *sample = &laz_samples[s];
+		input_file in = { .name = "packed", .data = packed };
+		in.length = laz_sample_packed(sample, packed);
+		uint64_t together;
+		if (!can_be_parted(sample->format)) {
+			assert_int_equal(las_count_rows(&in, &together), 0);
+			continue;
+		}
+		parted++;
+		scan whole = read_bytes(packed, in.length);
+		read_in_parts(&in, &whole, sample->name);
+		in.data = plain;
+		in.length = laz_sample_plain(sample->format, sample->extra, plain);
+		read_in_parts(&in, &whole, "plain");
+		scan_clear(&whole);
+	}
+	assert_true(parted > 0);
+}
+
 /* ---------------------------------------------------------------------------------- refusals */
 
 static void refused(uint8_t *file, size_t length, const char *because)
@@ -329,7 +399,8 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(symbols_come_back),     cmocka_unit_test(bytes_run_out),
 		cmocka_unit_test(median_runs),           cmocka_unit_test(files_of_laszip),
-		cmocka_unit_test(any_number_of_threads), cmocka_unit_test(what_is_unsupported),
+		cmocka_unit_test(any_number_of_threads), cmocka_unit_test(files_in_parts),
+		cmocka_unit_test(what_is_unsupported),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -246,13 +246,18 @@ static void columns_must_agree(void **state)
 	scan_clear(&cloud);
 }
 
-static void write_whole(const char *path, const scan *cloud)
+static void write_as(const char *name, const char *path, const scan *cloud)
 {
 	gw_error error;
 	output_file *out;
 	assert_ok(output_file_create(&out, path, true, &error), &error);
-	assert_ok(format_by_name("ply")->write(out, cloud, &error), &error);
+	assert_ok(format_by_name(name)->write(out, cloud, &error), &error);
 	assert_ok(output_file_commit(&out, &error), &error);
+}
+
+static void write_whole(const char *path, const scan *cloud)
+{
+	write_as("ply", path, cloud);
 }
 
 static void write_parts(const char *path, const scan *cloud, size_t part_points)
@@ -313,6 +318,41 @@ static void files_in_parts(void **state)
 	scan_clear(&cloud);
 	unlink("parts.ply");
 	unlink("whole.ply");
+}
+
+/* Of a LAS file parts have all columns, until it is known which of them hold nothing. */
+static void las_in_parts(void **state)
+{
+	(void)state;
+	gw_error error;
+	const format_options options = { .threads = 2 };
+	scan cloud = uneven_square(), whole, kept;
+	format_parts parts;
+	write_as("las", "whole.las", &cloud);
+	assert_ok(format_read("whole.las", NULL, &whole, &error), &error);
+	assert_ok(format_parts_open("whole.las", &options, &parts, &error), &error);
+	assert_int_equal(parts.count, COUNT);
+	assert_int_equal(parts.together, 1);
+	for (size_t first = 0; first < COUNT; first += 4567) {
+		assert_ok(format_parts_read(&parts, first, 4567, &kept, &error), &error);
+		assert_true(kept.column_count > whole.column_count);
+		if (first + 4567 < COUNT)
+			scan_clear(&kept);
+	}
+	assert_ok(format_parts_settle(&parts, &kept, &error), &error);
+	assert_int_equal(kept.column_count, whole.column_count);
+	assert_ok(format_parts_follow(&parts, &kept, &error), &error);
+	scan_clear(&kept);
+	for (size_t first = 0; first < COUNT; first += 4567) {
+		assert_ok(format_parts_read(&parts, first, 4567, &kept, &error), &error);
+		assert_int_equal(kept.column_count, whole.column_count);
+		assert_same_rows(&kept, &whole, first);
+		scan_clear(&kept);
+	}
+	format_parts_close(&parts);
+	scan_clear(&whole);
+	scan_clear(&cloud);
+	unlink("whole.las");
 }
 
 static void write_text(const char *path, const char *head, size_t bytes)
@@ -401,7 +441,8 @@ int main(void)
 		cmocka_unit_test(threads_are_no_matter), cmocka_unit_test(kept_points_stay),
 		cmocka_unit_test(far_and_nowhere),       cmocka_unit_test(sheets_are_kept),
 		cmocka_unit_test(columns_must_agree),    cmocka_unit_test(files_in_parts),
-		cmocka_unit_test(files_not_in_parts),    cmocka_unit_test(told_by_all),
+		cmocka_unit_test(las_in_parts),          cmocka_unit_test(files_not_in_parts),
+		cmocka_unit_test(told_by_all),
 	};
 	return cmocka_run_group_tests(tests, enter_folder, leave_folder);
 }
