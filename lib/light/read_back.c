@@ -12,20 +12,21 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Surfels whose rows are found at a time. */
-#define CHUNK 32768u
+/* Surfels whose rows are found at a time, at most. */
+#define CHUNK_MOST 32768u
 
 /* Rows on their way from the device. */
 typedef struct rows {
 	gw_surfel_rows on_device;
-	uint32_t *host_record; /* GW_SURFEL_WEIGHTS * CHUNK */
+	size_t chunk;          /* surfels whose rows are found at a time */
+	uint32_t *host_record; /* GW_SURFEL_WEIGHTS * chunk */
 	float *host_weight;
 	size_t room; /* entries that the packed arrays hold */
 } rows;
 
 static gw_status create(gw_gpu *gpu, rows *r, gw_error *error)
 {
-	const uint64_t words = (uint64_t)GW_SURFEL_WEIGHTS * CHUNK;
+	const uint64_t words = (uint64_t)GW_SURFEL_WEIGHTS * r->chunk;
 	r->host_record = gw_allocate_array(words, sizeof *r->host_record);
 	r->host_weight = gw_allocate_array(words, sizeof *r->host_weight);
 	if (!r->host_record || !r->host_weight)
@@ -44,7 +45,7 @@ static gw_status create(gw_gpu *gpu, rows *r, gw_error *error)
  * far. */
 static gw_status reserve(gw_read_back *b, rows *r, size_t first, gw_error *error)
 {
-	size_t used = b->first[first], needed = used + (size_t)GW_SURFEL_WEIGHTS * CHUNK;
+	size_t used = b->first[first], needed = used + GW_SURFEL_WEIGHTS * r->chunk;
 	if (needed > UINT32_MAX)
 		return gw_fail(error, GW_ERROR_MEMORY, "%zu surfels have more than 2^32 records near",
 					   b->count);
@@ -127,8 +128,8 @@ static gw_status find_rows(const gw_record_context *on, const renewal *how, rows
 						   gw_read_back *b, gw_error *error)
 {
 	GW_TRY(create(on->passes->gpu, r, error));
-	for (size_t first = 0; first < b->count; first += CHUNK) {
-		size_t left = b->count - first, count = left < CHUNK ? left : CHUNK;
+	for (size_t first = 0; first < b->count; first += r->chunk) {
+		size_t left = b->count - first, count = left < r->chunk ? left : r->chunk;
 		r->on_device.first = first;
 		r->on_device.count = count;
 		GW_TRY(reserve(b, r, first, error));
@@ -151,7 +152,7 @@ static void shrink(gw_read_back *b)
 static gw_status make(const gw_record_context *on, const renewal *how, size_t surfel_count,
 					  gw_read_back *read_back, gw_error *error)
 {
-	rows r = { .room = 0 };
+	rows r = { .chunk = surfel_count < CHUNK_MOST ? surfel_count : CHUNK_MOST };
 	*read_back = (gw_read_back){ .count = surfel_count };
 	read_back->first = gw_allocate_zeros(surfel_count + 1, sizeof *read_back->first);
 	gw_status status = read_back->first ? find_rows(on, how, &r, read_back, error)
