@@ -241,7 +241,8 @@ static gw_status upload_normals(const gw_lit_cloud *cloud, bool off, gw_buffer *
 	gw_gpu *gpu = cloud->passes->gpu;
 	const gw_surfels *surfels = cloud->surfels;
 	const float *own = surfels->shading_normal ? surfels->shading_normal : surfels->normal;
-	float *chunk = gw_allocate_array(UPLOAD_SURFELS, 4 * sizeof *chunk);
+	size_t most = surfels->count < UPLOAD_SURFELS ? surfels->count : UPLOAD_SURFELS;
+	float *chunk = gw_allocate_array(most, 4 * sizeof *chunk);
 	if (!chunk)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the normals of %zu surfels",
 					   surfels->count);

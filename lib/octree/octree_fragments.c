@@ -128,7 +128,7 @@ static gw_status upload_array(gw_octree_work *work, int which, gw_buffer *buffer
 	return GW_OK;
 }
 
-/* The arrays of surfels first..last-1, through a chunk of UPLOAD_SURFELS. */
+/* The arrays of surfels first..last-1, through a chunk of UPLOAD_SURFELS at most. */
 static gw_status upload_through(gw_octree_work *work, int first, int last, float *chunk,
 								gw_error *error)
 {
@@ -162,10 +162,11 @@ static gw_status upload_through(gw_octree_work *work, int first, int last, float
 
 static gw_status upload_arrays(gw_octree_work *work, int first, int last, gw_error *error)
 {
-	float *chunk = gw_allocate_array(UPLOAD_SURFELS, 4 * sizeof *chunk);
+	size_t count = work->surfels->count;
+	float *chunk =
+		gw_allocate_array(count < UPLOAD_SURFELS ? count : UPLOAD_SURFELS, 4 * sizeof *chunk);
 	if (chunk == NULL)
-		return gw_fail(error, GW_ERROR_MEMORY, "not enough memory to upload %zu points",
-					   work->surfels->count);
+		return gw_fail(error, GW_ERROR_MEMORY, "not enough memory to upload %zu points", count);
 	gw_status status = upload_through(work, first, last, chunk, error);
 	free(chunk);
 	return status;
