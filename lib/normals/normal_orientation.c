@@ -104,8 +104,9 @@ typedef struct orientation_work {
 	size_t patch_count;
 	gw_side_sight *sights; /* what rays from patches meet */
 	size_t sight_count;
-	choice now;       /* by the lamps, the sun and the sky that there are */
-	choice by_sky;    /* the same if a sky shone alone */
+	choice now;               /* by the lamps, the sun and the sky that there are */
+	choice by_sky;            /* the same if a sky shone alone */
+	const gw_side_light *sky; /* patch_count: light of a sky alone, of now or by_sky */
 	double *given;    /* patch_count: normals that were given, for its sign less those against it */
 	double *own;      /* patch_count: what a patch says by itself */
 	int8_t *other;    /* patch_count: another choice of signs */
@@ -683,14 +684,24 @@ static bool is_smooth(const orientation_work *w, size_t surfel)
 	return sum >= UNDERSIDE_SMOOTH * AGREED * GW_NEIGHBOURS;
 }
 
-/* Is so little of what is smooth an underside that it was put there by mistake? */
+/* Does the sky shine on the back of a patch, and hardly on its front? Light from where nothing was
+ * scanned is left out: below the ground of a deep court there is more of it than sky above. */
+static bool is_lit_from_behind(const orientation_work *w, size_t patch)
+{
+	const gw_side_view *side = w->sky[patch].side;
+	int front = w->now.sign[patch] > 0 ? 0 : 1;
+	return side[1 - front].lit > CLEAR * side[front].lit;
+}
+
+/* Is so little of what is smooth an underside that it was put there by mistake? What the sky shines
+ * on from above alone is none: it hangs on roofs by walls that are too sparse to tell. */
 static bool has_no_underside(const orientation_work *w)
 {
 	size_t smooth = 0, down = 0;
 	for (size_t i = 0; i < w->surfels->count; i++) {
 		bool counts = is_smooth(w, i);
 		smooth += counts;
-		down += counts && rise(w, i) < -LEVEL;
+		down += counts && rise(w, i) < -LEVEL && !is_lit_from_behind(w, w->patch[i]);
 	}
 	return (double)down <= UNDERSIDES_MOST * (double)smooth;
 }
@@ -741,6 +752,7 @@ static gw_status orient_patches(orientation_work *w, const uint8_t *estimated, g
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu patches", w->patch_count);
 	bool lamps = !gw_side_light_is_sky(w->options, w->surfels);
 	GW_TRY(find_light(w, estimated, lamps ? w->by_sky.light : NULL, error));
+	w->sky = lamps ? w->by_sky.light : w->now.light;
 	if (lamps)
 		GW_TRY(decide_by_sky(w, error));
 	GW_TRY(decide(w, error));

@@ -53,7 +53,6 @@ degrees          pdal/las/epsg_4326.las                   degrees z terrain
 strip            pdal/las/test1_4.las                     m   z  terrain
 tile             pdal/filters/faceraster_numerical_imprecision.laz m z terrain
 training         cgal/b9_training.ply                     m   z  terrain
-geyser           pdal/ept/source/lone-star.laz            m   z  terrain
 outcrop          cloudcompare-qcompass/example_data.laz   m   z  terrain
 ripple           loaders.gl/ripple.las                    m   z  terrain
 "

@@ -405,6 +405,42 @@ static void test_wood_from_above(void **state)
 	free(c);
 }
 
+/* The walls of a well, a point a square metre, without its floor and its roof. */
+static void add_well(cloud *c, const double middle[2], double half, double height)
+{
+	for (int i = 0; i < 4; i++) {
+		int axis = i / 2, across = 1 - axis, end = i % 2;
+		double low[3] = { 0, 0, 0 }, high[3] = { 0, 0, height };
+		low[axis] = high[axis] = middle[axis] + (end ? half : -half);
+		low[across] = middle[across] - half;
+		high[across] = middle[across] + half;
+		add_face(c, (size_t)(2 * half * height), &(face){ low, high, axis, end ? -1 : 1, false });
+	}
+}
+
+/* A block with four wells, as an airborne scanner sees it: they are so deep that light from where
+ * nothing was scanned, below, is more than that of the sky above, and make a tenth of the plan. */
+static void test_wells_from_above(void **state)
+{
+	(void)state;
+	const double up[3] = { 0, 0, 1 }, half = 4, height = 30, aside = 11;
+	const gw_light lamp = lamp_at(0, 0, 60);
+	uint64_t random = 5;
+	cloud *c = new_cloud();
+	for (int i = 0; i < 5000; i++) {
+		double x = 50 * next_random(&random) - 25, y = 50 * next_random(&random) - 25;
+		bool in_well = fmax(fabs(fabs(x) - aside), fabs(fabs(y) - aside)) < half;
+		bool on_roof = fmax(fabs(x), fabs(y)) < 22 && !in_well;
+		add(c, (double[3]){ x, y, on_roof ? height : 0 }, up);
+	}
+	for (int i = 0; i < 4; i++)
+		add_well(c, (double[2]){ i / 2 ? aside : -aside, i % 2 ? aside : -aside }, half, height);
+	assert_true(share_up(c, &sky) == 1);
+	assert_true(share_up(c, &sun) == 1);
+	assert_true(share_up(c, &lamp) == 1);
+	free(c);
+}
+
 /* A tank on wide ground, scanned from all around, has an underside however far apart points are. */
 static void test_wide_underside(void **state)
 {
@@ -995,6 +1031,7 @@ int main(void)
 		cmocka_unit_test(test_thing_on_floor),
 		cmocka_unit_test(test_ground),
 		cmocka_unit_test(test_wood_from_above),
+		cmocka_unit_test(test_wells_from_above),
 		cmocka_unit_test(test_wide_underside),
 		cmocka_unit_test(test_wide_hall),
 		cmocka_unit_test(test_lamps_of_points),
