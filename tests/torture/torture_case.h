@@ -26,6 +26,7 @@ typedef struct torture_case {
 	bool keep;      /* say each trial, keep the folder */
 	long only;      /* the one trial to run; -1: all */
 	uint64_t state; /* of the random numbers */
+	uint64_t begin; /* what state is at the part's beginning, the same for all its cases */
 	long trials, failures, known;
 	char again[CASE_PATH]; /* the command that runs this case again */
 } torture_case;

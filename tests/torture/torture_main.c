@@ -228,6 +228,7 @@ static void run_case(case_id id)
 	c.state = mix(wish.seed);
 	for (const char *s = part->name; *s; s++)
 		c.state = mix(c.state ^ (unsigned char)*s);
+	c.begin = c.state;
 	c.state = mix(c.state ^ (uint64_t)id.number);
 	int length = snprintf(c.folder, sizeof c.folder, "%s/work-%ld", wish.folder, (long)getpid());
 	if (length >= (int)sizeof c.folder)
