@@ -11,7 +11,7 @@ awk -F'"' 'NR > 1 { split($3, v, ","); n += v[8] == "" || v[8] <= 0.5 }
 grep -cE '^ .* s  --method' table.txt | cmp - near
 # Every row but the reference has a mark in both panels.
 grep -cE '<circle|class="(cones|buffers|volume|lpv|probes)" [xd]' a.svg
-make_box --scene corner --points 200 -o few.ply
+make_box --scene corner --points 40 -o few.ply
 glowworm tradeoff few.ply --max-error 0.000001 >/dev/null
 echo "status $?"
 glowworm tradeoff box.ply --csv - --svg -
