@@ -4,8 +4,9 @@
  *
  * It is no part of what was scanned, and as surface it would shade a lamp that is put where the
  * scanner stood, and all below. It is near: within a metre, and 0.4 of how far half of the
- * scanner's points are off. It lies on all sides of its middle. And it stands alone: beside most of
- * its outline the scanner sees what is far behind it, while walls, floors and tables go on there.
+ * scanner's points are off. It lies on all sides of its middle. It stands alone: beside most of its
+ * outline the scanner sees what is far behind it, while walls, floors and tables go on there. And
+ * it is beneath the scanner, or above it, or no further off than a plate: a door's jamb is beside.
  */
 #ifndef STRAY_MOUNTS_H
 #define STRAY_MOUNTS_H

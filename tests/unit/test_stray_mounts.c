@@ -103,8 +103,11 @@ static void things_beside_are_none(void **state)
 	(void)state;
 	const block post = { { 0.4, -0.03, -1.5 }, { 0.46, 0.03, 1.5 } };
 	const block lamp = { { 0.5, 0.2, 0.3 }, { 0.6, 0.3, 0.4 } };
+	/* The jamb of a door, wide enough to lie on all sides of its middle. */
+	const block jamb = { { -0.1, -0.6, -0.1 }, { 0.3, -0.4, 0.5 } };
 	assert_no_mount(&post);
 	assert_no_mount(&lamp);
+	assert_no_mount(&jamb);
 }
 
 int main(void)
