@@ -76,7 +76,19 @@ typedef struct place {
 } place;
 
 /* How beams are spread over directions. */
-typedef enum beams { BEAMS_TURNING, BEAMS_EVEN, BEAMS_OF_PICTURE, BEAMS_COUNT } beams;
+typedef enum beams { BEAMS_TURNING, BEAMS_EVEN, BEAMS_OF_PICTURE } beams;
+
+/* A way to spread beams; axis: how many from up, of x, y and z in a circle. Scanners turn about the
+ * vertical, as a rule; lasers of robots nod, and fans that are carried roll, about a level axis. */
+typedef struct beam_way {
+	beams beams;
+	size_t axis;
+} beam_way;
+
+static const beam_way ways[] = {
+	{ BEAMS_TURNING, 0 }, { BEAMS_TURNING, 1 },    { BEAMS_TURNING, 2 },
+	{ BEAMS_EVEN, 0 },    { BEAMS_OF_PICTURE, 0 },
+};
 
 /* In a frame of its own, of half diagonal 1. */
 typedef struct density {
@@ -453,20 +465,28 @@ static bool explains_parts(const density *d, double spread)
 	return true;
 }
 
+/* Takes a way to spread beams. */
+static void take_way(density *d, const double up[3], const beam_way *way)
+{
+	d->beams = way->beams;
+	for (size_t k = 0; k < 3; k++)
+		d->axis[(k + way->axis) % 3] = up[k];
+}
+
 /* The best of all ways in which beams are spread. False when none explains the areas. */
-static bool explain(density *d, double at[3])
+static bool explain(density *d, const double up[3], double at[3])
 {
 	double alone = spread_alone(d);
 	origin best = { .spread = DBL_MAX };
-	beams of_best = BEAMS_EVEN;
-	for (int way = 0; way < BEAMS_COUNT && best.spread > CERTAIN * alone; way++) {
-		d->beams = (beams)way;
+	const beam_way *of_best = ways;
+	for (size_t i = 0; i < sizeof ways / sizeof *ways && best.spread > CERTAIN * alone; i++) {
+		take_way(d, up, ways + i);
 		origin o = find_origin(d, alone);
-		of_best = o.spread < best.spread ? d->beams : of_best;
+		of_best = o.spread < best.spread ? ways + i : of_best;
 		keep_best(&best, 1, &o);
 	}
 	memcpy(at, best.at, sizeof best.at);
-	d->beams = of_best;
+	take_way(d, up, of_best);
 	if (!(best.spread < SPREAD_LEFT * alone) || !(dot(at, at) < FURTHEST * FURTHEST) ||
 		!(best.spread < RINGS_LEFT * spread_in_rings(d, at)))
 		return false;
@@ -483,10 +503,10 @@ bool gw_points_find_scanner(const gw_points *points, double scanner[3])
 	float *local = gw_allocate_array(most, 3 * sizeof *local);
 	d.place = gw_allocate_array(2 * PLACES_MOST, sizeof *d.place);
 	d.rest = gw_allocate_array(2 * PLACES_MOST, sizeof *d.rest);
-	double at[3];
-	gw_up_axis(points->up, d.axis);
+	double at[3], up[3];
+	gw_up_axis(points->up, up);
 	bool found = local && d.place && d.rest &&
-				 measure(local, take_points(points, &d, local, most), &d) && explain(&d, at);
+				 measure(local, take_points(points, &d, local, most), &d) && explain(&d, up, at);
 	for (size_t k = 0; k < 3 && found; k++)
 		scanner[k] = d.middle[k] + at[k] / d.scale;
 	free(local);

@@ -63,6 +63,17 @@ static void scan_turning(room_scan *s, const double scanner[3], double noise)
 	}
 }
 
+/* The same of one that rolls about y, as a fan of beams that is carried along. */
+static void scan_rolling(room_scan *s, const double scanner[3], double noise)
+{
+	for (size_t i = 0; i < POINTS; i++) {
+		double turn = 2 * M_PI * (double)(i / (POINTS / COLUMNS)) / COLUMNS;
+		double aside = -1 + 2.5 * ((double)(i % (POINTS / COLUMNS)) + 0.5) / (POINTS / COLUMNS);
+		double way[3] = { cos(aside) * cos(turn), sin(aside), cos(aside) * sin(turn) };
+		add_beam(s, scanner, way, noise);
+	}
+}
+
 /* A depth camera's, through a pinhole, towards a corner. */
 static void scan_picture(room_scan *s, const double scanner[3], double noise)
 {
@@ -132,8 +143,8 @@ static void assert_found(const room_scan *s, const double scanner[3])
 static void one_scanner_is_found(void **state)
 {
 	static const double scanner[3] = { 0.7, -0.9, -0.2 };
-	static void (*const scan[])(room_scan *, const double *, double) = { scan_evenly,
-																		 scan_turning };
+	static void (*const scan[])(room_scan *, const double *, double) = { scan_evenly, scan_turning,
+																		 scan_rolling };
 	room_scan *s = *state;
 	for (size_t i = 0; i < sizeof scan / sizeof *scan; i++) {
 		*s = (room_scan){ .random = 1 };
