@@ -163,9 +163,11 @@ bool gw_range_image_find_scanner(const gw_points *points, const gw_range_image *
  * spread evenly over directions, or over those of a scanner that turns about the axis that points
  * up, or about a level one, x, y or z, as lasers that nod and fans that roll do. Where the surface
  * is flat each point has r^2 / cos of it. What several stations took, what was thinned by a grid,
- * and samples of meshes lie otherwise, and so nothing is found. points position and up; strays do
- * no harm scanner   receives the place on success, metres Returns false when there is none, and
- * when memory is short. The same points in the same order give the same place.
+ * and samples of meshes lie otherwise, and so nothing is found.
+ *   points    position and up; strays do no harm
+ *   scanner   receives the place on success, metres
+ * Returns false when there is none, and when memory is short. The same points in the same order
+ * give the same place.
  */
 bool gw_points_find_scanner(const gw_points *points, double scanner[3]);
 
