@@ -164,7 +164,9 @@ static void pieces_are_seen_from_above(void **state)
 	}
 }
 
-/* A lamp between roof and ground lights what nobody saw: the side that was seen stays the front. */
+/* A lamp between roof and ground lights what nobody saw: the side that was seen stays the front. In
+ * a model at a thousandth of the scale nothing else tells that it was seen from above, as wide
+ * ground does of which points are decimetres apart. */
 static void seen_sides_are_fronts(void **state)
 {
 	(void)state;
@@ -174,10 +176,12 @@ static void seen_sides_are_fronts(void **state)
 	assert_non_null(position);
 	for (size_t i = 0; i < BEAMS; i++)
 		for (size_t k = 0; k < 3; k++)
-			position[3 * i + k] = f.value[k][i];
+			position[3 * i + k] = 1e-3 * f.value[k][i];
+	for (size_t k = 0; k < 3 * f.cloud.scanner_count; k++)
+		f.cloud.scanner[k] *= 1e-3;
 	const gw_light lamp = { .type = GW_LIGHT_POINT,
-							.position = { EAST, 0, -30 },
-							.intensity = { 1e6, 1e6, 1e6 } };
+							.position = { 1e-3 * EAST, 0, -30e-3 },
+							.intensity = { 1, 1, 1 } };
 	const gw_surfels_options options = { .lights = &lamp, .light_count = 1 };
 	for (int known = 0; known < 2; known++) {
 		const gw_points points = { .count = BEAMS,

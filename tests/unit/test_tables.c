@@ -421,7 +421,7 @@ static void pcd_of_no_camera(void **state)
 	scan cloud = read_height_map("0 0 0 1 0 0 0");
 	assert_int_equal(cloud.scanner_count, 0);
 	assert_int_equal(cloud.comment_count, 1);
-	assert_non_null(strstr(cloud.comment[0], "where the scanner stood is not known"));
+	assert_non_null(strstr(cloud.comment[0], "do not tell where the scanner stood"));
 	scan_clear(&cloud);
 	cloud = read_height_map("0 0 1 1 0 0 0");
 	assert_int_equal(cloud.scanner_count, 1);
