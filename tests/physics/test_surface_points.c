@@ -365,8 +365,8 @@ static void memory_says_how_many(void **state)
 		fewer += most < s.count;
 	}
 	assert_true(fewer > 0);
-	/* A step of memory is 2893 points of the surface. */
-	assert_in_range(least, 10000, 12893);
+	/* A step of memory is 3745 points of the surface, of 1120 bytes each. */
+	assert_in_range(least, 10000, 13745);
 	scene_clear(&s);
 }
 
