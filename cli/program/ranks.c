@@ -10,6 +10,9 @@
 #include <string.h>
 #include <time.h>
 
+/* How long the first rank may take to end all others: on a busy machine more than one. */
+#define END_SECONDS 5
+
 /* How often a rank that waits looks whether the others are there. */
 #define LOOK_NANOSECONDS 20000000L
 
@@ -77,7 +80,7 @@ gw_status ranks_wait(const ranks *r, gw_error *error)
 
 gw_status ranks_fail(const ranks *r, gw_status status, gw_error *error)
 {
-	const struct timespec pause = { .tv_sec = 1 };
+	const struct timespec pause = { .tv_sec = END_SECONDS };
 	if (r->rank == 0 || status == GW_OK || status == GW_ERROR_CANCELLED)
 		return status;
 	/* A signal ends it. */

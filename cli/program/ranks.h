@@ -18,9 +18,9 @@ gw_status ranks_join(ranks *ranks, gw_error *error);
 /* Waits until all ranks are here. It takes next to no processor time. GW_ERROR_CANCELLED. */
 gw_status ranks_wait(const ranks *ranks, gw_error *error);
 
-/* What went wrong: one rank says it. Those but the first give the first one a second, in which it
- * ends all ranks if the same is wrong there; else they say which rank they are. Returns the status.
- */
+/* What went wrong: one rank says it. Those but the first give the first one five seconds, in
+ * which it ends all ranks if the same is wrong there; else they say which rank they are. Returns
+ * the status. */
 gw_status ranks_fail(const ranks *ranks, gw_status status, gw_error *error);
 
 /* Whether this process is to say that it was stopped: it is the first, or alone. */
