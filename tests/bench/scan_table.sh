@@ -70,23 +70,8 @@ carton-camera        carton -f pcd --camera --step 3 --noise 1 --beam 6
 ball-camera          ball -f pcd --camera --step 3 --noise 1 --beam 6
 "
 
-wanted=() options=()
-while [ $# -gt 0 ] && [ "$1" != -- ]; do
-	wanted+=("$1")
-	shift
-done
-[ $# -gt 0 ] && shift
-options=("$@")
-
-is_wanted() { # name
-	local pattern
-	[ ${#wanted[@]} -eq 0 ] && return 0
-	for pattern in "${wanted[@]}"; do
-		# shellcheck disable=SC2254
-		case $1 in $pattern) return 0 ;; esac
-	done
-	return 1
-}
+# shellcheck source=tests/bench/wanted_rows
+. "$root/tests/bench/wanted_rows"
 
 fail() { # name, what failed
 	printf '%-20s %s failed\n' "$1" "$2"

@@ -58,24 +58,10 @@ ripple           loaders.gl/ripple.las                    m   z  terrain
 "
 
 [ $# -gt 0 ] || { sed -n '2,/^set/s/^# \{0,1\}//p' "$0" && exit 64; }
-folder=$1 wanted=() options=()
+folder=$1
 shift
-while [ $# -gt 0 ] && [ "$1" != -- ]; do
-	wanted+=("$1")
-	shift
-done
-[ $# -gt 0 ] && shift
-options=("$@")
-
-is_wanted() { # name
-	local pattern
-	[ ${#wanted[@]} -eq 0 ] && return 0
-	for pattern in "${wanted[@]}"; do
-		# shellcheck disable=SC2254
-		case $1 in $pattern) return 0 ;; esac
-	done
-	return 1
-}
+# shellcheck source=tests/bench/wanted_rows
+. "$root/tests/bench/wanted_rows"
 
 fail() { # name, what failed
 	printf '%-16s %s failed\n' "$1" "$2"
