@@ -183,13 +183,6 @@ static gw_status read_compressed(reader *r)
 
 /* ------------------------------------------------------------------ what is found afterwards */
 
-static bool all_zero(const scan *cloud, const scan_column *column)
-{
-	const uint8_t *bytes = column->data;
-	size_t size = cloud->count * scan_type_size(column->type);
-	return size == 0 || (bytes[0] == 0 && memcmp(bytes, bytes + 1, size - 1) == 0);
-}
-
 /* Whether a field holds nothing; also one that is not there. */
 static bool is_zero(const reader *r, const char *name)
 {
@@ -212,7 +205,7 @@ static gw_status find_zeros(reader *r)
 {
 	GW_TRY(allocate_zero(r));
 	for (size_t f = 0; f < r->layout.count; f++)
-		r->zero[f] = all_zero(r->cloud, &r->cloud->column[f]);
+		r->zero[f] = scan_is_zero(&r->cloud->column[f], r->cloud->count);
 	return GW_OK;
 }
 

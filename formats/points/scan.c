@@ -176,6 +176,13 @@ void scan_remove_column(scan *cloud, const char *name)
 	cloud->column_count--;
 }
 
+bool scan_is_zero(const scan_column *column, size_t count)
+{
+	const uint8_t *bytes = column->data;
+	size_t size = count * scan_type_size(column->type);
+	return size == 0 || (bytes[0] == 0 && memcmp(bytes, bytes + 1, size - 1) == 0);
+}
+
 double scan_value(const scan_column *column, size_t i)
 {
 	switch (column->type) {

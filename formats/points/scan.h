@@ -122,6 +122,9 @@ void scan_remove_column(scan *scan, const char *name);
  */
 void scan_remove_points(scan *scan, const uint8_t *gone);
 
+/* Whether all bits of a column's values are 0, of the first `count` points. */
+bool scan_is_zero(const scan_column *column, size_t count);
+
 /* Value of point i as a double. */
 double scan_value(const scan_column *column, size_t i);
 

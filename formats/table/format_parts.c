@@ -31,13 +31,6 @@ static gw_status read_part(format_parts *parts, uint64_t first, size_t count, sc
 	return format_finish(part, status, error);
 }
 
-static bool is_zero(const scan_column *column, size_t count)
-{
-	const uint8_t *bytes = column->data;
-	size_t size = count * scan_type_size(column->type);
-	return size == 0 || (bytes[0] == 0 && memcmp(bytes, bytes + 1, size - 1) == 0);
-}
-
 static gw_status note_zeros(format_parts *parts, const scan *part, gw_error *error)
 {
 	if (!parts->zero) {
@@ -49,7 +42,7 @@ static gw_status note_zeros(format_parts *parts, const scan *part, gw_error *err
 		memset(parts->zero, true, parts->columns);
 	}
 	for (size_t c = 0; c < parts->columns && c < part->column_count; c++)
-		parts->zero[c] = parts->zero[c] && is_zero(&part->column[c], part->count);
+		parts->zero[c] = parts->zero[c] && scan_is_zero(&part->column[c], part->count);
 	return GW_OK;
 }
 
