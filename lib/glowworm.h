@@ -118,7 +118,7 @@ typedef struct gw_points {
 	const double *scanner;  /* 3 * scanner_count, where scanners stood: orient estimated normals */
 	size_t scanner_count;   /* 0: nobody knows */
 	const uint32_t *scanner_of;  /* count or NULL: which scanner saw each point; for numbers that no
-									scanner has, and for NULL, the one that sees it best */
+									scanner has, and for NULL, nobody knows which of several */
 	const gw_range_image *image; /* image_count, in ascending order; may be NULL */
 	size_t image_count;
 	const uint32_t *image_cell; /* count or NULL: of points of an image, row * columns + column.
@@ -328,7 +328,8 @@ typedef enum gw_effect_kind {
  *
  * Lights, emission, shadows, bounces, tolerance and light_samples may differ between the two bakes;
  * positions, normals, albedo, scanners and the other settings of light have to be the same. Where
- * normals were estimated and no scanner is known, the first bake's lights have oriented them.
+ * normals were estimated and nobody knows which scanner saw what, the first bake's lights have
+ * oriented them.
  */
 typedef struct gw_transport {
 	const char *name; /* for messages, such as a file's name */

@@ -249,19 +249,25 @@ static void settle(gw_surfels *s, const float *before, bool better)
 
 /* Room of mend_signs. */
 typedef struct mending {
+	const gw_points *points;
+	const gw_surfels_options *options;
 	float *before;            /* 3 a surfel, the normals as they were given */
 	uint8_t *open, *doubtful; /* one a surfel, as gw_orient_normals has them */
+	double *scanner;          /* 3 each, metres as surfels->position */
 } mending;
 
-static gw_status mend_in(check *c, const gw_surfels_options *options, const mending *m,
-						 gw_surfels *s, const figures *found, gw_error *error)
+static gw_status mend_in(check *c, const mending *m, gw_surfels *s, const figures *found,
+						 gw_error *error)
 {
 	figures after;
-	if (!m->before || !m->open || !m->doubtful || !c->link || !c->parent)
+	if (!m->before || !m->open || !m->doubtful || !m->scanner || !c->link || !c->parent)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory to turn %zu normals", s->count);
 	memcpy(m->before, s->normal, 3 * s->count * sizeof *m->before);
 	memset(m->open, 1, s->count);
-	GW_TRY(gw_orient_normals(options, c->search, s, m->open, m->doubtful, error));
+	for (size_t i = 0; i < 3 * m->points->scanner_count; i++)
+		m->scanner[i] = m->points->scanner[i] - s->origin[i % 3];
+	const gw_known_sides known = { m->open, m->scanner, m->points->scanner_count };
+	GW_TRY(gw_orient_normals(m->options, c->search, s, &known, m->doubtful, error));
 	GW_TRY(find_components(c, error));
 	GW_TRY(keep_majority(c, s, m->before, error));
 	GW_TRY(measure(c, &after, error));
@@ -269,17 +275,22 @@ static gw_status mend_in(check *c, const gw_surfels_options *options, const mend
 	return GW_OK;
 }
 
-static gw_status mend_signs(check *c, const gw_surfels_options *options, gw_surfels *s,
-							const figures *found, gw_error *error)
+static gw_status mend_signs(check *c, const gw_points *points, const gw_surfels_options *options,
+							gw_surfels *s, const figures *found, gw_error *error)
 {
-	const mending m = { gw_allocate_array(s->count, 3 * sizeof *m.before),
-						gw_allocate_array(s->count, 1), gw_allocate_array(s->count, 1) };
+	const mending m = { points,
+						options,
+						gw_allocate_array(s->count, 3 * sizeof *m.before),
+						gw_allocate_array(s->count, 1),
+						gw_allocate_array(s->count, 1),
+						gw_allocate_array(points->scanner_count + 1, 3 * sizeof *m.scanner) };
 	c->link = gw_allocate_array(s->count, LINKS * sizeof *c->link);
 	c->parent = gw_allocate_array(s->count, sizeof *c->parent);
-	gw_status status = mend_in(c, options, &m, s, found, error);
+	gw_status status = mend_in(c, &m, s, found, error);
 	free(m.before);
 	free(m.open);
 	free(m.doubtful);
+	free(m.scanner);
 	free(c->link);
 	free(c->parent);
 	return status;
@@ -430,7 +441,8 @@ static gw_status check_and_mend(check *c, const gw_points *points,
 	figures found;
 	GW_TRY(measure(c, &found, error));
 	bool mixed = !points->normal_sideless && is_mixed(&found);
-	if (is_off(&found) || (mixed && points->scanner_count > 0)) {
+	bool told = points->scanner_of || points->scanner_count == 1;
+	if (is_off(&found) || (mixed && told)) {
 		s->normals_doubted = s->normals_given;
 		forget_normals(s);
 		return GW_OK;
@@ -438,7 +450,7 @@ static gw_status check_and_mend(check *c, const gw_points *points,
 	if (points->normal_sideless)
 		return GW_OK;
 	if (mixed)
-		return mend_signs(c, options, s, &found, error);
+		return mend_signs(c, points, options, s, &found, error);
 	GW_TRY(mend_facing_away(points, s, error));
 	return options->light_count > 0 && faces_middle(s) && !has_inside(s, points, options)
 			   ? mend_inside_out(c, s, error)

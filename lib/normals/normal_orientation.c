@@ -28,8 +28,13 @@
 #define OPEN_SIDE 0.9
 /* A surfel's light from one side alone weighs as much as so many pairs of surfels that agree. */
 #define LIGHT_WEIGHT 0.5
+/* One that a scanner sees from one side. */
+#define SEEN_WEIGHT 2.0
 /* And a normal that was given. */
 #define GIVEN_WEIGHT 8.0
+
+/* Scanners tell the side of what they see for this share more from there than from behind. */
+#define SEEN_LEAST 0.1
 
 /* A patch is sure of its front to some degree where this many times the light of the back falls on
  * it, and wholly from so many times on. */
@@ -270,15 +275,18 @@ static void limit_areas(orientation_work *w)
 }
 
 /* by_sky: receives the light of a sky, or NULL where nobody asks for it. */
-static gw_status find_light(orientation_work *w, const uint8_t *estimated, gw_side_light *by_sky,
+static gw_status find_light(orientation_work *w, const gw_known_sides *known, gw_side_light *by_sky,
 							gw_error *error)
 {
-	gw_patches patches = {
-		.patch_of = w->patch, .opposite = w->opposite, .area = w->area, .count = w->patch_count
-	};
+	gw_patches patches = { .patch_of = w->patch,
+						   .opposite = w->opposite,
+						   .area = w->area,
+						   .count = w->patch_count,
+						   .scanner = known->scanner,
+						   .scanner_count = known->scanner_count };
 	limit_areas(w);
 	for (size_t i = 0; i < w->surfels->count; i++)
-		w->given[w->patch[i]] += estimated[i] ? 0 : w->opposite[i] ? -1 : 1;
+		w->given[w->patch[i]] += known->estimated[i] ? 0 : w->opposite[i] ? -1 : 1;
 	gw_side_lights found = { .light = w->now.light, .by_sky = by_sky };
 	gw_status status = gw_side_light_find(w->options, w->surfels, &patches, &found, error);
 	w->sights = found.sights;
@@ -324,6 +332,7 @@ static void add_view(const gw_side_view *more, gw_side_view *sum)
 	sum->first += more->first;
 	sum->shone += more->shone;
 	sum->lit += more->lit;
+	sum->seen += more->seen;
 	sum->area += more->area;
 	sum->met += more->met;
 	sum->path += more->path;
@@ -347,6 +356,16 @@ static double light_ratio(const patch_group *g)
 	return side[0].light * g->factor[0] / fmax(back, 1e-30);
 }
 
+/* Whether the front of a group was seen: 1, or its back: -1, or 0 where nobody knows. */
+static int seen_side(const patch_group *g)
+{
+	const gw_side_view *side = g->light.side;
+	double seen = side[0].seen - side[1].seen;
+	if (g->given != 0)
+		return g->given > 0 ? 1 : -1;
+	return fabs(seen) > SEEN_LEAST * side[0].area ? (seen > 0 ? 1 : -1) : 0;
+}
+
 /* What is known of all groups, with the signs as they are. Without rooms their factors are 1. */
 static void sum_groups(orientation_work *w, bool rooms)
 {
@@ -363,17 +382,18 @@ static void sum_groups(orientation_work *w, bool rooms)
 		patch_group *g = w->now.groups + i;
 		for (int side = 0; rooms && side < 2; side++)
 			g->factor[side] = gw_side_factor(g->light.side + side);
-		g->doubtful = g->given == 0 && !(light_ratio(g) > CLEAR);
+		g->doubtful = seen_side(g) == 0 && !(light_ratio(g) > CLEAR);
 	}
 }
 
-/* Turns whole groups whose back is the brighter side, or that normals were given for. */
+/* Turns whole groups whose back is the brighter side, or was seen, or that normals were given for.
+ */
 static void turn_whole(orientation_work *w, bool rooms)
 {
 	sum_groups(w, rooms);
 	for (size_t i = 0; i < w->patch_count; i++) {
 		const patch_group *g = w->now.groups + w->group[i];
-		bool turn = g->given != 0 ? g->given < 0 : light_ratio(g) < 1;
+		bool turn = seen_side(g) != 0 ? seen_side(g) < 0 : light_ratio(g) < 1;
 		w->now.sign[i] = turn ? (int8_t)-w->now.sign[i] : w->now.sign[i];
 	}
 	sum_groups(w, rooms);
@@ -390,13 +410,20 @@ static double find_certainty(const orientation_work *w, size_t patch)
 	return (front > back) == (w->now.sign[patch] > 0) ? sure : -sure;
 }
 
+/* By how much more of a patch was seen from its normals' side, -1 to 1. */
+static double find_seen(const orientation_work *w, size_t patch)
+{
+	const gw_side_view *side = w->now.light[patch].side;
+	return side[0].area > 0 ? (side[0].seen - side[1].seen) / side[0].area : 0;
+}
+
 static void find_own(orientation_work *w)
 {
 	memset(w->own, 0, w->patch_count * sizeof *w->own);
 	for (size_t i = 0; i < w->surfels->count; i++)
-		w->own[w->patch[i]] += AGREED * LIGHT_WEIGHT;
+		w->own[w->patch[i]] += AGREED;
 	for (size_t i = 0; i < w->patch_count; i++) {
-		w->own[i] *= find_certainty(w, i);
+		w->own[i] *= LIGHT_WEIGHT * find_certainty(w, i) + SEEN_WEIGHT * find_seen(w, i);
 		w->own[i] += GIVEN_WEIGHT * AGREED * w->given[i];
 	}
 }
@@ -573,7 +600,7 @@ static void take_sky(orientation_work *w)
 static bool may_be_either(const patch_group *g)
 {
 	const gw_side_view *front = g->light.side, *back = front + 1;
-	if (g->given != 0 || g->holds)
+	if (seen_side(g) != 0 || g->holds)
 		return false;
 	if (is_closed(front))
 		return front->lit * REACHED < back->lit;
@@ -589,7 +616,7 @@ static void doubt_closed(orientation_work *w)
 /* Turns a group to the side on which others lie within it. */
 static void turn_shell(patch_group *g, int8_t holds)
 {
-	g->holds = g->given == 0 && holds != 0;
+	g->holds = seen_side(g) == 0 && holds != 0;
 	if (!g->holds)
 		return;
 	g->doubtful = false;
@@ -638,7 +665,7 @@ static void sum_emitting(orientation_work *w)
 static int lamp_side(const patch_group *g)
 {
 	double front = g->light.side[0].dark_path, back = g->light.side[1].dark_path;
-	if (g->given != 0 || !(g->emitting >= LAMP_SHARE * g->area))
+	if (seen_side(g) != 0 || !(g->emitting >= LAMP_SHARE * g->area))
 		return 0;
 	return front > CLEAR * back ? 1 : back > CLEAR * front ? -1 : 0;
 }
@@ -710,7 +737,7 @@ static bool has_no_underside(const orientation_work *w)
 static bool is_open_to_light(const orientation_work *w, size_t patch)
 {
 	const patch_group *g = w->now.groups + w->group[patch];
-	return g->given == 0 && (!w->surfels->emission || lamp_side(g) == 0);
+	return seen_side(g) == 0 && (!w->surfels->emission || lamp_side(g) == 0);
 }
 
 /* Turns what hangs together and faces down for the most part. Where it is no wall as a whole that
@@ -746,12 +773,12 @@ static gw_status turn_up(orientation_work *w, gw_error *error)
 	return GW_OK;
 }
 
-static gw_status orient_patches(orientation_work *w, const uint8_t *estimated, gw_error *error)
+static gw_status orient_patches(orientation_work *w, const gw_known_sides *known, gw_error *error)
 {
 	if (!allocate_patches(w))
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu patches", w->patch_count);
 	bool lamps = !gw_side_light_is_sky(w->options, w->surfels);
-	GW_TRY(find_light(w, estimated, lamps ? w->by_sky.light : NULL, error));
+	GW_TRY(find_light(w, known, lamps ? w->by_sky.light : NULL, error));
 	w->sky = lamps ? w->by_sky.light : w->now.light;
 	if (lamps)
 		GW_TRY(decide_by_sky(w, error));
@@ -833,24 +860,24 @@ static void release(orientation_work *w)
 	free(w->group);
 }
 
-static gw_status orient(orientation_work *w, gw_neighbours *search, const uint8_t *estimated,
+static gw_status orient(orientation_work *w, gw_neighbours *search, const gw_known_sides *known,
 						gw_error *error)
 {
 	GW_TRY(allocate(w, error));
 	GW_TRY(gw_neighbours_visit_reach(search, find_pairs, w, error));
 	join_smooth(w);
 	number_patches(w);
-	return orient_patches(w, estimated, error);
+	return orient_patches(w, known, error);
 }
 
 gw_status gw_orient_normals(const gw_surfels_options *options, gw_neighbours *search,
-							gw_surfels *surfels, const uint8_t *estimated, uint8_t *doubtful,
+							gw_surfels *surfels, const gw_known_sides *known, uint8_t *doubtful,
 							gw_error *error)
 {
 	orientation_work w = { .options = options, .surfels = surfels };
-	gw_status status = orient(&w, search, estimated, error);
+	gw_status status = orient(&w, search, known, error);
 	if (status == GW_OK)
-		turn_normals(&w, estimated, doubtful);
+		turn_normals(&w, known->estimated, doubtful);
 	release(&w);
 	return status;
 }

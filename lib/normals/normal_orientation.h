@@ -8,6 +8,7 @@
  * that is the one with which
  *
  *   normals given   most agree, if there are any
+ *   scanners        see more of it, if it is known where some stood
  *   light           more falls on the front than on the back (side_light.h), rooms before others:
  *                   that of a sky, unless its fronts get hardly any light of this bake
  *
@@ -35,12 +36,20 @@
 
 #include "cloud/neighbours.h"
 
+/* What is known of sides. */
+typedef struct gw_known_sides {
+	const uint8_t *estimated; /* surfels->count: 1 where the normal may be turned, 0 where it was
+								 given */
+	const double *scanner; /* 3 * scanner_count, metres as surfels->position: where some stood, of
+							  which nobody knows what they saw */
+	size_t scanner_count;
+} gw_known_sides;
+
 /*
  * Turns estimated normals to the front of their surface.
  *   options    whose lights are asked; those without power count as absent
  *   search     over the surfels
  *   surfels    normals of all, unit length; emission where there is some
- *   estimated  surfels->count: 1 where the normal may be turned, 0 where it was given
  *   doubtful   surfels->count, receives GW_SIDE_UNCLEAR where about as much light falls on both
  *              sides, or ways to decide dispute the side; 1 where it does, but one side is more
  *              like a room's; else 0
@@ -48,7 +57,7 @@
  * Fails with GW_ERROR_MEMORY or GW_ERROR_CANCELLED.
  */
 gw_status gw_orient_normals(const gw_surfels_options *options, gw_neighbours *search,
-							gw_surfels *surfels, const uint8_t *estimated, uint8_t *doubtful,
+							gw_surfels *surfels, const gw_known_sides *known, uint8_t *doubtful,
 							gw_error *error);
 
 #endif

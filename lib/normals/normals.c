@@ -5,7 +5,6 @@
 #include "base/up_axis.h"
 #include "normals/nearest_plane.h"
 #include "normals/normal_orientation.h"
-#include "normals/scanner_sight.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -67,7 +66,8 @@ typedef struct normal_step {
 	gw_neighbours *search;
 	double *scanner; /* 3 * scanner_count, local */
 	size_t scanner_count;
-	uint32_t *scanner_of; /* count, the one that saw each surfel, or NULL: there is but one */
+	uint32_t *scanner_of; /* count, the one that saw each surfel, scanner_count or more where nobody
+							 knows, or NULL: there is but one */
 	uint8_t *state;       /* count, bits as above */
 	uint8_t *next;        /* count, state after the vote */
 	float *plane;         /* 4 * count: normal, and what of its neighbours' spread it leaves */
@@ -95,7 +95,7 @@ static bool assign_scanners(normal_step *step, const gw_points *points)
 }
 
 /* Targets keep their numbers, so that one bad position makes all of them unknown. */
-bool gw_normals_face_scanner(const gw_points *points)
+static bool are_places(const gw_points *points)
 {
 	for (size_t k = 0; k < 3 * points->scanner_count; k++)
 		if (!isfinite(points->scanner[k]))
@@ -103,9 +103,14 @@ bool gw_normals_face_scanner(const gw_points *points)
 	return points->scanner_count > 0;
 }
 
+bool gw_normals_face_scanner(const gw_points *points)
+{
+	return are_places(points) && (points->scanner_count == 1 || points->scanner_of);
+}
+
 static bool find_scanners(normal_step *step, const gw_points *points)
 {
-	if (!gw_normals_face_scanner(points))
+	if (!are_places(points))
 		return true;
 	step->scanner = gw_allocate_array(points->scanner_count, 3 * sizeof *step->scanner);
 	if (!step->scanner)
@@ -320,6 +325,22 @@ static gw_status choose_planes(normal_step *step, gw_error *error)
 	return GW_OK;
 }
 
+/* Is it known which scanner saw a surfel? */
+static bool is_seen_by_one(const normal_step *step, size_t surfel)
+{
+	return step->scanner_of ? step->scanner_of[surfel] < step->scanner_count
+							: step->scanner_count > 0;
+}
+
+/* Does nobody know of some surfels who saw them? */
+static bool is_open(const normal_step *step)
+{
+	for (size_t i = 0; i < step->surfels->count; i++)
+		if (step->state[i] & ESTIMATED && !is_seen_by_one(step, i))
+			return true;
+	return false;
+}
+
 /* Takes the planes' normals, to the scanner where there is one. A thin thing that it sees nearly
  * edge-on may show either side. */
 static void set_normals(normal_step *step)
@@ -334,9 +355,10 @@ static void set_normals(normal_step *step)
 			cosine += way[k] * (double)plane[k];
 		for (size_t k = 0; k < 3; k++)
 			step->surfels->normal[3 * i + k] = cosine < 0 ? -plane[k] : plane[k];
-		if (step->scanner_count && fabs(cosine) < (double)SURE_COSINE)
+		bool seen = is_seen_by_one(step, i);
+		if (seen && fabs(cosine) < (double)SURE_COSINE)
 			step->state[i] |= UNSURE;
-		if (step->scanner_count && fabs(cosine) <= (double)UNTRUSTED_COSINE)
+		if (seen && fabs(cosine) <= (double)UNTRUSTED_COSINE)
 			step->state[i] |= EDGE_ON;
 		if (plane[3] > CURVATURE_MAX ||
 			(step->thin && step->thin[i] > 0 && step->state[i] & UNSURE))
@@ -386,14 +408,23 @@ static gw_status run_votes(normal_step *step, gw_error *error)
 	return GW_OK;
 }
 
+/* Turns what was voted to be turned. */
+static void apply_votes(normal_step *step)
+{
+	for (size_t i = 0; i < step->surfels->count; i++) {
+		float *n = step->surfels->normal + 3 * i;
+		for (int k = 0; k < 3 && (step->state[i] & NEGATIVE); k++)
+			n[k] = -n[k];
+		step->state[i] &= (uint8_t)~NEGATIVE;
+	}
+}
+
 static void apply_states(normal_step *step)
 {
 	gw_surfels *s = step->surfels;
 	for (size_t i = 0; i < s->count; i++) {
 		uint8_t state = step->state[i];
 		state |= state & EDGE_ON ? UNTRUSTED : 0;
-		for (size_t k = 0; k < 3 && (state & NEGATIVE); k++)
-			s->normal[3 * i + k] = -s->normal[3 * i + k];
 		s->normals_estimated += (state & ESTIMATED) != 0;
 		s->normals_untrusted += (state & (UNTRUSTED | UNCLEAR)) != 0;
 		if (state & (UNTRUSTED | UNCLEAR))
@@ -401,17 +432,18 @@ static void apply_states(normal_step *step)
 	}
 }
 
-/* Without a scanner: the front of every piece of surface as a whole. */
+/* Where nobody knows which scanner saw it: the front of every piece of surface as a whole. */
 static gw_status choose_sides(normal_step *step, const gw_surfels_options *options, gw_error *error)
 {
 	size_t count = step->surfels->count;
 	uint8_t *doubtful = gw_allocate_array(count, sizeof *doubtful);
 	for (size_t i = 0; doubtful && i < count; i++)
-		step->next[i] = (step->state[i] & ESTIMATED) != 0;
+		step->next[i] = (step->state[i] & ESTIMATED) &&
+						!(is_seen_by_one(step, i) && !(step->state[i] & EDGE_ON));
+	const gw_known_sides known = { step->next, step->scanner, step->scanner_count };
 	gw_status status =
-		doubtful
-			? gw_orient_normals(options, step->search, step->surfels, step->next, doubtful, error)
-			: gw_fail(error, GW_ERROR_MEMORY, "no memory to orient %zu normals", count);
+		doubtful ? gw_orient_normals(options, step->search, step->surfels, &known, doubtful, error)
+				 : gw_fail(error, GW_ERROR_MEMORY, "no memory to orient %zu normals", count);
 	for (size_t i = 0; status == GW_OK && i < count; i++)
 		step->state[i] |= doubtful[i] == GW_SIDE_UNCLEAR ? UNCLEAR : doubtful[i] ? UNTRUSTED : 0;
 	free(doubtful);
@@ -428,13 +460,11 @@ static gw_status complete(normal_step *step, const gw_points *points,
 	GW_TRY(gw_neighbours_visit_reach(step->search, estimate_normal, step, error));
 	GW_TRY(take_few(step, error));
 	GW_TRY(choose_planes(step, error));
-	if (step->scanner_of)
-		GW_TRY(gw_scanners_assign(
-			step->search, surfels,
-			&(gw_scanner_places){ step->scanner, step->scanner_count, step->plane },
-			step->scanner_of, error));
 	set_normals(step);
-	GW_TRY(step->scanner_count ? run_votes(step, error) : choose_sides(step, options, error));
+	GW_TRY(run_votes(step, error));
+	apply_votes(step);
+	if (is_open(step))
+		GW_TRY(choose_sides(step, options, error));
 	apply_states(step);
 	return GW_OK;
 }

@@ -9,13 +9,14 @@
  * they cannot be trusted. A normal is that of the plane through the neighbours or, near creases, of
  * a neighbour's plane that the surfel lies on and that is of one face alone; on leaves and wires,
  * of which rows and columns of a scan tell, that of the plane through a few neighbours.
- * Orientation: to the scanner that saw it, or the one in sight that sees it best when nobody knows;
- * without scanners as normal_orientation.h says.
+ * Orientation: to the scanner that saw it. Where nobody knows which of several that was, and
+ * without scanners, as normal_orientation.h says.
  */
 gw_status gw_normals_complete(const gw_points *points, const gw_surfels_options *options,
 							  gw_neighbours *search, gw_surfels *surfels, gw_error *error);
 
-/* Does anybody know where a scanner stood, so that normals that are missing are turned to it? */
+/* Does anybody know which scanner saw which point, so that normals that are missing are turned to
+ * it? */
 bool gw_normals_face_scanner(const gw_points *points);
 
 #endif

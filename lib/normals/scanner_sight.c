@@ -3,6 +3,7 @@
 
 #include "base/memory.h"
 #include "base/nth_element.h"
+#include "base/parallel.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -23,12 +24,14 @@
 /* Planes are taken to reach a little out of their cells, so that no way leads between two. */
 #define CELL_MARGIN 0.1
 
-/* Least |cos| for which a scanner is clearly on one side of a plane. */
+/* Least cosine at which a scanner is clearly on one side of a plane. */
 #define CLEAR_SIDE 0.05
 
-/* Scanners that are tried, and cells that a way is followed through. */
-#define TRIES 8
+/* Cells that a way is followed through. */
 #define STEPS_MOST 4096
+
+/* Surfels between two looks whether to stop. */
+#define PART 65536u
 
 /* Places and ways to each side of them that say how open a scene is. */
 #define OPEN_PLACES 1500u
@@ -44,8 +47,9 @@ typedef struct cell {
 typedef struct sight {
 	const gw_surfels *surfels;
 	const gw_scanner_places *places;
-	uint32_t *scanner_of;
-	float *reach; /* metres, of one surfel in `stride` */
+	uint64_t *seen_by;
+	size_t first, every; /* surfels that are looked at: of the part, and one in so many */
+	float *reach;        /* metres, of one surfel in `stride` */
 	size_t stride;
 	double width; /* of a cell, metres */
 	cell *table;
@@ -210,80 +214,59 @@ static bool find_way(const sight *w, size_t scanner, way *y)
 	return y->length > 0 && isfinite(y->length);
 }
 
-/* How densely a scanner sees a surfel's plane, if nothing is between them; 0 where it is there. */
-static double density(const sight *w, size_t scanner, way *y)
+/* Does a scanner see a surfel's front, or either side where both are lit? */
+static bool sees(const sight *w, size_t scanner, size_t surfel, way *y)
 {
 	if (!find_way(w, scanner, y))
-		return 0;
-	return fabs(dot(y->direction, y->normal)) / (y->length * y->length);
+		return false;
+	double cosine = dot(y->direction, y->normal);
+	if (w->surfels->two_sided[surfel])
+		cosine = fabs(cosine);
+	return cosine > CLEAR_SIDE && !is_blocked(w, y);
 }
 
-/* The scanner that comes after one already tried, with its density: by density, then by index. */
-static size_t next_densest(const sight *w, way *y, double *least, size_t tried)
-{
-	size_t best = w->places->count;
-	double most = -1;
-	for (size_t i = 0; i < w->places->count; i++) {
-		double own = density(w, i, y);
-		bool after = tried >= w->places->count || own < *least || (own == *least && i > tried);
-		if (after && own > most) {
-			most = own;
-			best = i;
-		}
-	}
-	*least = most;
-	return best;
-}
-
-/* Whether all scanners are clearly on one side of the surfel's plane. */
-static bool is_one_side(const sight *w, way *y)
-{
-	int sides = 0;
-	for (size_t i = 0; i < w->places->count; i++) {
-		double cosine = find_way(w, i, y) ? dot(y->direction, y->normal) : 0;
-		sides |= cosine > CLEAR_SIDE ? 1 : cosine < -CLEAR_SIDE ? 2 : 3;
-	}
-	return sides != 3;
-}
-
-static void choose_scanner(void *user, size_t surfel, const gw_neighbour_list *list)
+static void look_for_scanners(void *user, size_t first, size_t last, uint32_t worker)
 {
 	const sight *w = user;
-	(void)list;
-	if (w->scanner_of[surfel] < w->places->count)
-		return;
-	way y;
-	for (size_t k = 0; k < 3; k++) {
-		y.from[k] = (double)w->surfels->position[3 * surfel + k];
-		y.normal[k] = (double)w->places->plane[4 * surfel + k];
-	}
-	bool same = is_one_side(w, &y);
-	double least = 0;
-	size_t tried = next_densest(w, &y, &least, SIZE_MAX);
-	w->scanner_of[surfel] = (uint32_t)tried;
-	for (int i = 0; i < TRIES && !same && tried < w->places->count; i++) {
-		if (find_way(w, tried, &y) && !is_blocked(w, &y)) {
-			w->scanner_of[surfel] = (uint32_t)tried;
-			return;
+	size_t words = gw_seen_by_words(w->places);
+	(void)worker;
+	for (size_t at = first; at < last; at++) {
+		size_t surfel = (w->first + at) * w->every;
+		way y;
+		for (size_t k = 0; k < 3; k++) {
+			y.from[k] = (double)w->surfels->position[3 * surfel + k];
+			y.normal[k] = (double)w->places->plane[4 * surfel + k];
 		}
-		tried = next_densest(w, &y, &least, tried);
+		for (size_t i = 0; i < w->places->count; i++)
+			if (sees(w, i, surfel, &y))
+				w->seen_by[words * surfel + i / 64] |= (uint64_t)1 << i % 64;
 	}
 }
 
-gw_status gw_scanners_assign(gw_neighbours *search, const gw_surfels *surfels,
-							 const gw_scanner_places *places, uint32_t *scanner_of, gw_error *error)
+/* In parts, between which somebody may stop it. */
+static gw_status look_for_all(sight *w, const gw_surfels_options *o, gw_error *error)
 {
-	sight w = { .surfels = surfels, .places = places, .scanner_of = scanner_of };
-	bool open = false;
-	for (size_t i = 0; i < surfels->count && !open; i++)
-		open = scanner_of[i] >= places->count;
-	if (!open || places->count < 2)
-		return GW_OK;
+	w->every = 1 + w->surfels->count * w->places->count / GW_SIGHTS;
+	size_t count = (w->surfels->count + w->every - 1) / w->every;
+	for (w->first = 0; w->first < count; w->first += PART) {
+		if (o->cancelled && o->cancelled(o->user))
+			return gw_fail(error, GW_ERROR_CANCELLED, "stopped while looking who saw what");
+		size_t left = count - w->first;
+		gw_parallel_for(o->threads, left < PART ? left : PART, 256, look_for_scanners, w);
+	}
+	return GW_OK;
+}
+
+gw_status gw_scanners_see(gw_neighbours *search, const gw_surfels *surfels,
+						  const gw_scanner_places *places, const gw_surfels_options *options,
+						  uint64_t *seen_by, gw_error *error)
+{
+	sight w = { .surfels = surfels, .places = places, .seen_by = seen_by };
 	gw_status status = measure(&w, search, error);
 	if (status == GW_OK && w.width > 0 && isfinite(w.width))
 		status = fill_grid(&w, error);
 	if (status == GW_OK && w.table)
-		status = gw_neighbours_visit_reach(search, choose_scanner, &w, error);
+		status = look_for_all(&w, options, error);
 	free(w.reach);
 	free(w.table);
 	return status;

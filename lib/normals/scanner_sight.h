@@ -1,9 +1,8 @@
 /*
- * scanner_sight.h - which of several scanners saw a surfel, where nobody knows. Internal to lib/.
+ * scanner_sight.h - which of several scanners see a surfel, where nobody knows which of them took
+ * its points. Internal to lib/.
  *
- * The nearest scanner may stand behind a wall, or see a surface edge-on. Of those in sight, the one
- * whose points lie densest there counts: by the cosine over the square of the distance. A surface
- * is therefore stood for by a coarse grid: each cell that holds surfels has one plane, through
+ * The surface is stood for by a coarse grid: each cell that holds surfels has one plane, through
  * their middle, and a scanner is in sight when the straight way to it crosses no such plane within
  * its cell. What crosses within half a cell of the surfel's own plane is its own surface.
  */
@@ -20,14 +19,24 @@ typedef struct gw_scanner_places {
 } gw_scanner_places;
 
 /*
- * Finds a scanner for each surfel that has none: the one in sight that sees it most densely, or of
- * all of them when none is in sight, or when all of them are on the same side of the surfel's
- * plane, so that its side does not depend on which it was. scanner_of   surfels->count; what is
- * below places->count stays Fails with GW_ERROR_MEMORY or GW_ERROR_CANCELLED.
+ * Finds the scanners that have a surfel's front in sight, or either side of what is lit on both. Of
+ * many surfels some are looked at alone, evenly, GW_SIGHTS for all scanners together.
+ *   places   with the surfels' normals as planes
+ *   options  its threads, and what asks whether to stop
+ *   seen_by  gw_seen_by_words(places) * surfels->count, zeros; receives bits: of word k of a surfel
+ *            bit i stands for scanner 64 k + i
+ * Fails with GW_ERROR_MEMORY or GW_ERROR_CANCELLED. The result does not depend on threads.
  */
-gw_status gw_scanners_assign(gw_neighbours *search, const gw_surfels *surfels,
-							 const gw_scanner_places *places, uint32_t *scanner_of,
-							 gw_error *error);
+#define GW_SIGHTS 4000000u
+gw_status gw_scanners_see(gw_neighbours *search, const gw_surfels *surfels,
+						  const gw_scanner_places *places, const gw_surfels_options *options,
+						  uint64_t *seen_by, gw_error *error);
+
+/* Words that the scanners take of each surfel. */
+static inline size_t gw_seen_by_words(const gw_scanner_places *places)
+{
+	return (places->count + 63) / 64;
+}
 
 /*
  * What share of the ways from places on the surface leaves the scene without crossing it, on the

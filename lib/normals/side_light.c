@@ -88,6 +88,7 @@ typedef struct place {
 	gw_disc disc;
 	double direct[2]; /* irradiance on either side, luminance: of lamps and sun */
 	bool shone[2];    /* by lamps, which have a place, or by what emits */
+	bool seen[2];     /* by scanners */
 	double first[2];  /* before any reflection */
 	double lit[2];    /* likewise, without light from where nothing was scanned */
 	double total[2];
@@ -282,6 +283,20 @@ static void add_lights(const side_work *w, place *p)
 	}
 }
 
+/* Which scanners see a place, and from where. */
+static void look_from_scanners(const side_work *w, place *p)
+{
+	for (size_t i = 0; i < w->patches->scanner_count; i++) {
+		const double *at = w->patches->scanner + 3 * i;
+		gw_vec3 to = gw_minus((gw_vec3){ (float)at[0], (float)at[1], (float)at[2] }, p->disc.place);
+		float length = sqrtf(gw_dot(to, to));
+		gw_vec3 way = gw_times(to, 1.0f / length);
+		float cosine = gw_dot(p->disc.normal, way);
+		if (fabsf(cosine) > LOWEST && is_free(w, p, way, length))
+			p->seen[cosine < 0.0f] = true;
+	}
+}
+
 /* ----------------------------------------------------------------------------------------- rays */
 
 /* Directions spread evenly by the cosine, turned from place to place by the golden angle. */
@@ -328,6 +343,7 @@ static void look_around(void *user, size_t first, size_t last, uint32_t worker)
 	(void)worker;
 	for (size_t i = w->first + first; i < w->first + last; i++) {
 		add_lights(w, w->places + i);
+		look_from_scanners(w, w->places + i);
 		shoot(w, w->places + i, i, false);
 		shoot(w, w->places + i, i, true);
 	}
@@ -400,6 +416,7 @@ static void add_place(const place *p, int side, gw_side_view *sum)
 	sum->first += p->met[side] >= INDOORS * RAYS ? area * p->first[side] : 0.0;
 	sum->shone += p->shone[side] ? area : 0.0;
 	sum->lit += area * p->lit[side];
+	sum->seen += p->seen[side] && !p->seen[1 - side] ? area : 0.0;
 	sum->met += area * p->met[side] / RAYS;
 	sum->path += area * p->path[side] / RAYS;
 	sum->dark_path += area * p->dark_path[side] / RAYS;

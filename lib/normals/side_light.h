@@ -30,6 +30,8 @@ typedef struct gw_patches {
 	const uint8_t *opposite; /* a surfel's: 1 where its normal is against the others of its patch */
 	const float *area;       /* a surfel's, m^2, rough */
 	size_t count;            /* of patches */
+	const double *scanner;   /* 3 * scanner_count, metres as surfels->position: where some stood */
+	size_t scanner_count;
 } gw_patches;
 
 /* What rays from one side of a surface found, as sums over places, each times its area. */
@@ -38,6 +40,7 @@ typedef struct gw_side_view {
 	double first;     /* of that, what was not reflected before, at places that may be in a room */
 	double shone;     /* m^2 that lamps or what emits shine on, whatever light is asked about */
 	double lit;       /* irradiance straight from lamps, sun, sky and what emits */
+	double seen;      /* m^2 that a scanner sees, which none sees from the other side */
 	double area;      /* m^2 */
 	double met;       /* share of the rays that met surface */
 	double path;      /* logarithm of how far away, metres, of these */

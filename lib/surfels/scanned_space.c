@@ -62,7 +62,10 @@ typedef struct work {
 	scanner *scanner; /* scanners */
 	size_t scanners;
 	uint32_t *kept;       /* points->scanner_count: which of them, or UINT32_MAX */
-	uint32_t *scanner_of; /* surfels->count: who saw each, of points->scanner */
+	uint32_t *scanner_of; /* surfels->count: who saw each, of points->scanner; UINT32_MAX where
+							 nobody knows */
+	uint64_t *seen_by;    /* then all that may have seen it: words of bits a surfel; or NULL */
+	size_t words;
 	gw_scanned_space *space;
 } work;
 
@@ -90,17 +93,21 @@ static size_t cell_of(const scanner *s, const float way[3], float distance)
 	return (size_t)row * columns + column;
 }
 
-static void add_point(const work *w, size_t point)
+/* Did a scanner see the surfel of a point, as far as anybody knows? */
+static bool may_have_seen(const work *w, size_t point, size_t by)
+{
+	uint32_t surfel = w->surfels->surfel_of_point[point];
+	if (surfel == UINT32_MAX)
+		return false;
+	if (w->scanner_of[surfel] != UINT32_MAX || !w->seen_by)
+		return w->scanner_of[surfel] == by;
+	return w->seen_by[w->words * surfel + by / 64] >> by % 64 & 1;
+}
+
+static void add_point(const work *w, size_t point, scanner *s)
 {
 	const gw_points *p = w->points;
 	float place[3], way[3];
-	uint32_t surfel = w->surfels->surfel_of_point[point];
-	if (surfel == UINT32_MAX)
-		return;
-	uint32_t kept = w->kept[w->scanner_of[surfel]];
-	if (kept == UINT32_MAX)
-		return;
-	scanner *s = &w->scanner[kept];
 	for (size_t k = 0; k < 3; k++)
 		place[k] = (float)(p->position[3 * point + k] - w->surfels->origin[k]);
 	float distance = distance_to(s, place, way);
@@ -156,13 +163,12 @@ static size_t push_cell(scanner *s, size_t cell, uint32_t *stack, size_t top)
 }
 
 /* Marks the component of NOTHING around a cell as ENCLOSED. The stack keeps all of it, `count`
- * cells. False when it reaches the highest or lowest directions, or those without a beam, or is
- * large. */
+ * cells. False when it is large: a hole of the ceiling overhead or of the floor beside the
+ * scanner's foot is one as well as that of a wall. */
 static bool mark_component(scanner *s, size_t first, uint32_t *stack, size_t *count)
 {
 	uint32_t columns = 2 * s->rows;
 	double share = 0.0;
-	bool enclosed = true;
 	size_t top = push_cell(s, first, stack, 0);
 	for (size_t i = 0; i < top; i++) {
 		uint32_t row = stack[i] / columns, column = stack[i] % columns;
@@ -170,16 +176,13 @@ static bool mark_component(scanner *s, size_t first, uint32_t *stack, size_t *co
 		share += sin(M_PI * (row + 0.5) / s->rows);
 		top = push_cell(s, start + (column + 1) % columns, stack, top);
 		top = push_cell(s, start + (column + columns - 1) % columns, stack, top);
-		if (row == 0 || row + 1 == s->rows) {
-			enclosed = false;
-			continue;
-		}
-		top = push_cell(s, start - columns + column, stack, top);
-		top = push_cell(s, start + columns + column, stack, top);
-		enclosed = enclosed && s->depth[start + columns + column] != BLIND;
+		if (row > 0)
+			top = push_cell(s, start - columns + column, stack, top);
+		if (row + 1 < s->rows)
+			top = push_cell(s, start + columns + column, stack, top);
 	}
 	*count = top;
-	return enclosed && share * M_PI / (4.0 * s->rows * s->rows) <= ENCLOSED_MOST;
+	return share * M_PI / (4.0 * s->rows * s->rows) <= ENCLOSED_MOST;
 }
 
 /* Finds the components of directions from which nothing came back, though all around them it did.
@@ -224,7 +227,23 @@ static bool take_named(const work *w)
 	return open;
 }
 
-/* Who saw what: the scanners that are named, else the one in sight that sees it most densely. */
+static gw_status look(work *w, const gw_scanner_places *places, const gw_surfels_options *options,
+					  gw_error *error)
+{
+	gw_neighbours *search = NULL;
+	w->words = gw_seen_by_words(places);
+	w->seen_by = gw_allocate_zeros(w->surfels->count, w->words * sizeof *w->seen_by);
+	if (!w->seen_by)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for what %zu scanners saw",
+					   places->count);
+	GW_TRY(gw_neighbours_open(w->surfels, options, &search, error));
+	gw_status status = gw_scanners_see(search, w->surfels, places, options, w->seen_by, error);
+	gw_neighbours_close(search);
+	return status;
+}
+
+/* Who saw what: the scanners that are named, else all that have it in sight: whoever did not take
+ * its points saw through nothing there. */
 static gw_status assign(work *w, uint32_t threads, gw_error *error)
 {
 	const gw_points *p = w->points;
@@ -232,7 +251,6 @@ static gw_status assign(work *w, uint32_t threads, gw_error *error)
 	double *place = gw_allocate_array(p->scanner_count, 3 * sizeof *place);
 	float *plane = gw_allocate_zeros(count, 4 * sizeof *plane);
 	w->scanner_of = gw_allocate_array(count, sizeof *w->scanner_of);
-	gw_neighbours *search = NULL;
 	gw_status status = GW_OK;
 	if (!place || !plane || !w->scanner_of)
 		status =
@@ -245,14 +263,10 @@ static gw_status assign(work *w, uint32_t threads, gw_error *error)
 		for (size_t i = 0; i < 3 * count; i++)
 			plane[i / 3 * 4 + i % 3] = w->surfels->normal[i];
 		if (take_named(w) && p->scanner_count > 1)
-			status = gw_neighbours_open(w->surfels, &options, &search, error);
-	}
-	if (search)
-		status = gw_scanners_assign(search, w->surfels, &places, w->scanner_of, error);
-	for (size_t i = 0; i < count && status == GW_OK; i++)
-		if (w->scanner_of[i] >= p->scanner_count)
+			status = look(w, &places, &options, error);
+		for (size_t i = 0; i < count && p->scanner_count == 1; i++)
 			w->scanner_of[i] = 0;
-	gw_neighbours_close(search);
+	}
 	free(plane);
 	free(place);
 	return status;
@@ -283,8 +297,8 @@ static bool choose_scanners(work *w)
 		w->kept[s] = UINT32_MAX;
 	}
 	for (size_t i = 0; i < p->count; i++)
-		if (w->surfels->surfel_of_point[i] != UINT32_MAX)
-			all[w->scanner_of[w->surfels->surfel_of_point[i]]].points++;
+		for (size_t s = 0; s < p->scanner_count; s++)
+			all[s].points += may_have_seen(w, i, s);
 	qsort(all, p->scanner_count, sizeof *all, by_points);
 	while (kept < p->scanner_count && kept < GW_SPACE_SCANNERS &&
 		   all[kept].points >= GW_SPACE_POINTS_LEAST) {
@@ -311,7 +325,9 @@ static bool make_depths(work *w)
 			s->depth[c] = NOTHING;
 	}
 	for (size_t i = 0; i < w->points->count; i++)
-		add_point(w, i);
+		for (size_t s = 0; s < w->points->scanner_count; s++)
+			if (w->kept[s] != UINT32_MAX && may_have_seen(w, i, s))
+				add_point(w, i, &w->scanner[w->kept[s]]);
 	bool good = true;
 	for (size_t i = 0; i < w->scanners && good; i++) {
 		close_holes(&w->scanner[i]);
@@ -420,6 +436,7 @@ gw_status gw_scanned_space_make(const gw_points *points, const gw_surfels *surfe
 	free(w.scanner);
 	free(w.kept);
 	free(w.scanner_of);
+	free(w.seen_by);
 	if (made)
 		return GW_OK;
 	gw_scanned_space_clear(space);

@@ -12,8 +12,9 @@
  * For this, each scanner's points are sorted by direction, into cells of equal angles that hold
  * about four of them; the depth of a cell is the second largest of its distances, so that no stray
  * decides. A cell without points among cells that have some was missed by chance; others are open,
- * but for those below all points of the scanner, where its own foot is. What that gives is kept for
- * cells of a coarse grid.
+ * but for those below all points of the scanner, where its own foot is. Where nobody knows which of
+ * several scanners took a point, all that have it in sight saw it: none of them saw through it.
+ * What that gives is kept for cells of a coarse grid.
  *
  * A ray that leaves the scene passes a gap if the last of the known places on its way was free, and
  * all behind it is unknown: nobody looked there, because something stood in front of it. Through

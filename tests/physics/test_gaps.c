@@ -19,7 +19,7 @@
 static const double scanner[3] = { 0.5, 1.0, 1.0 };
 
 typedef struct room {
-	bool pillar, window;
+	bool pillar, window, skylight;
 } room;
 
 /* Where a beam leaves the cube of 2 m, and through which wall: 2 * axis + side. */
@@ -59,7 +59,9 @@ static void send_beam(scene *s, const room *r, const double way[3], float albedo
 		at[k] = scanner[k] + t * way[k];
 	bool outside = r->window && wall == 3 && at[0] > 0.5 && at[0] < 1.2 && at[2] > 0.7 &&
 				   at[2] < 1.4 && !(front <= t);
-	if (!outside)
+	bool above = r->skylight && wall == 5 && fabs(at[0] - scanner[0]) < 0.35 &&
+				 fabs(at[1] - scanner[1]) < 0.35;
+	if (!outside && !above)
 		scene_add(s, at, normal, albedo);
 }
 
@@ -106,7 +108,7 @@ static void shadows_are_gaps_and_windows_are_none(void **state)
 	(void)state;
 	gw_error error;
 	scene s;
-	scan_room(&s, &(room){ true, true }, 0.5f);
+	scan_room(&s, &(room){ .pillar = true, .window = true }, 0.5f);
 	gw_points points = scene_points(&s);
 	points.scanner = scanner;
 	points.scanner_count = 1;
@@ -133,7 +135,7 @@ static void sky_through_a_gap(void **state)
 {
 	(void)state;
 	scene s;
-	scan_room(&s, &(room){ true, false }, 0.5f);
+	scan_room(&s, &(room){ .pillar = true }, 0.5f);
 	gw_bake_result *open = bake(&s, &sky, GW_GAPS_OPEN), *closed = bake(&s, &sky, GW_GAPS_BLACK);
 	const gw_gap_report *g = &open->report.gaps;
 	double before = scene_mean(open->radiance, s.count, 0);
@@ -159,7 +161,7 @@ static void sky_through_a_window(void **state)
 {
 	(void)state;
 	scene s;
-	scan_room(&s, &(room){ false, true }, 0.5f);
+	scan_room(&s, &(room){ .window = true }, 0.5f);
 	gw_bake_result *open = bake(&s, &sky, GW_GAPS_OPEN), *closed = bake(&s, &sky, GW_GAPS_BLACK);
 	const gw_gap_report *g = &open->report.gaps;
 	double before = scene_mean(open->radiance, s.count, 0);
@@ -190,7 +192,7 @@ static void furnace_with_a_gap(void **state)
 {
 	(void)state;
 	scene s;
-	scan_room(&s, &(room){ true, false }, 0.5f);
+	scan_room(&s, &(room){ .pillar = true }, 0.5f);
 	scene_emit(&s, 0, (float[3]){ 1, 1, 1 });
 	gw_bake_result *open = bake(&s, NULL, GW_GAPS_OPEN), *mean = bake(&s, NULL, GW_GAPS_MEAN);
 	double before = furnace_error(open, s.count), after = furnace_error(mean, s.count);
@@ -220,20 +222,18 @@ static double off_without_wall(const scene *s, const gw_bake_result *open, const
 	return sqrt(squares * (double)s->count) / sum;
 }
 
-/* A lamp in a room of which a piece sent no beam back, at night: a window or a wall, who knows? */
-static void doubt_about_a_window(void **state)
+static void assert_doubt(const room *kind, const char *what)
 {
-	(void)state;
 	const gw_light lamp = scene_point_light(1.0, 1.0, 1.2, 1.0f);
 	scene s, whole;
-	scan_room(&s, &(room){ false, true }, 0.7f);
-	scan_room(&whole, &(room){ false, false }, 0.7f);
+	scan_room(&s, kind, 0.7f);
+	scan_room(&whole, &(room){ 0 }, 0.7f);
 	gw_bake_result *open = bake(&s, &lamp, GW_GAPS_OPEN);
 	gw_bake_result *closed = bake(&whole, &lamp, GW_GAPS_OPEN);
 	double off = off_without_wall(&s, open, &whole, closed);
 	double stated = open->report.error.gaps, none = closed->report.error.gaps;
-	print_message("window at night: %.4f off if a wall, stated for gaps %.4f, without %.4f\n", off,
-				  stated, none);
+	print_message("%s at night: %.4f off if closed, stated for gaps %.4f, without %.4f\n", what,
+				  off, stated, none);
 	/* Half of the doubt counts, as a mean of squares. */
 	assert_true(stated > 0.5 * off && stated < 1.2 * off);
 	assert_true(none < 0.1 * stated);
@@ -243,6 +243,15 @@ static void doubt_about_a_window(void **state)
 	scene_clear(&whole);
 }
 
+/* A lamp in a room of which a piece sent no beam back, at night: a window or a wall, who knows?
+ * Likewise right above the scanner. */
+static void doubt_about_a_window(void **state)
+{
+	(void)state;
+	assert_doubt(&(room){ .window = true }, "window");
+	assert_doubt(&(room){ .skylight = true }, "skylight");
+}
+
 /* Two rooms with a wall between them, the first with a pillar. The second's scanner is nearer to
  * that wall than the first's, which saw it. Whoever does not say who saw what gets the same gaps.
  */
@@ -250,8 +259,8 @@ static void scanners_see_no_further_than_walls(void **state)
 {
 	(void)state;
 	scene s, other;
-	scan_room(&s, &(room){ true, false }, 0.5f);
-	scan_room(&other, &(room){ false, false }, 0.5f);
+	scan_room(&s, &(room){ .pillar = true }, 0.5f);
+	scan_room(&other, &(room){ 0 }, 0.5f);
 	size_t first = s.count;
 	for (size_t i = 0; i < other.count; i++) {
 		const double *p = other.position + 3 * i;
@@ -286,7 +295,7 @@ static void sun_through_a_gap(void **state)
 {
 	(void)state;
 	scene s;
-	scan_room(&s, &(room){ true, false }, 0.5f);
+	scan_room(&s, &(room){ .pillar = true }, 0.5f);
 	const gw_light sun = { .type = GW_LIGHT_SUN,
 						   .direction = { -1, 0.5, -0.3 },
 						   .irradiance = { 1, 1, 1 } };
@@ -344,7 +353,7 @@ static void frames_have_gaps(void **state)
 {
 	(void)state;
 	scene s;
-	scan_room(&s, &(room){ true, false }, 0.5f);
+	scan_room(&s, &(room){ .pillar = true }, 0.5f);
 	const gw_mover mover = { .first = s.count, .count = 400 };
 	scene_add_sphere(&s, (double[3]){ 0.9, 1.6, 0.5 }, 0.15, mover.count, 1, 0.5f);
 	gw_points points = scene_points(&s);
@@ -363,7 +372,7 @@ static void estimates_know_closed_gaps(void **state)
 {
 	(void)state;
 	scene s;
-	scan_room(&s, &(room){ true, false }, 0.5f);
+	scan_room(&s, &(room){ .pillar = true }, 0.5f);
 	gw_points points = scene_points(&s);
 	gw_bake_options options = gw_bake_options_default();
 	points.scanner = scanner;
@@ -394,7 +403,7 @@ static void a_window_is_a_hole(void **state)
 {
 	(void)state;
 	scene s;
-	scan_room(&s, &(room){ false, true }, 0.5f);
+	scan_room(&s, &(room){ .window = true }, 0.5f);
 	gw_bake_result *open = bake_bare(&s, &sky, GW_GAPS_OPEN);
 	gw_bake_result *closed = bake_bare(&s, &sky, GW_GAPS_BLACK);
 	const gw_gap_report *g = &open->report.gaps;
@@ -430,7 +439,7 @@ static void doubt_about_holes(void **state)
 {
 	(void)state;
 	scene s;
-	scan_room(&s, &(room){ true, true }, 0.5f);
+	scan_room(&s, &(room){ .pillar = true, .window = true }, 0.5f);
 	gw_bake_result *open = bake_bare(&s, &sky, GW_GAPS_OPEN),
 				   *true_one = bake(&s, &sky, GW_GAPS_BLACK);
 	double square = 0.0, stated = open->report.error.gaps;
@@ -460,7 +469,7 @@ static void what_is_open_has_no_holes(void **state)
 {
 	(void)state;
 	scene s;
-	scan_room(&s, &(room){ false, false }, 0.5f);
+	scan_room(&s, &(room){ 0 }, 0.5f);
 	assert_int_equal(holes_of(&s), 0);
 	scene_make_hall(&s);
 	assert_int_equal(holes_of(&s), 0);
@@ -657,7 +666,7 @@ static void parts_add_up(void **state)
 {
 	(void)state;
 	scene s;
-	scan_room(&s, &(room){ true, false }, 0.5f);
+	scan_room(&s, &(room){ .pillar = true }, 0.5f);
 	gw_points points = scene_points(&s);
 	gw_bake_options options = gw_bake_options_default();
 	points.scanner = scanner;

@@ -21,7 +21,9 @@ typedef struct cloud {
 	float normal[3 * MOST];
 	float emission[3 * MOST]; /* 0 unless a test says otherwise */
 	size_t count;
-	char up; /* as gw_points has it */
+	char up;               /* as gw_points has it */
+	const double *scanner; /* as gw_points has them */
+	size_t scanner_count;
 } cloud;
 
 static double next_random(uint64_t *state)
@@ -77,8 +79,8 @@ static void add_face(cloud *c, size_t count, const face *f)
 	}
 }
 
-/* A room of 5 by 4 by 2.5 metres with its normals inwards. */
-static void add_room(cloud *c, bool window)
+/* A room of 5 by 4 by 2.5 metres with its normals inwards; per_area: points a square metre. */
+static void add_room_of(cloud *c, bool window, double per_area)
 {
 	const double size[3] = { 5, 4, 2.5 };
 	for (int axis = 0; axis < 3; axis++)
@@ -86,9 +88,14 @@ static void add_room(cloud *c, bool window)
 			double low[3] = { 0 }, high[3] = { size[0], size[1], size[2] };
 			*(side ? low + axis : high + axis) = side ? size[axis] : 0;
 			double area = size[(axis + 1) % 3] * size[(axis + 2) % 3];
-			add_face(c, (size_t)(180 * area),
+			add_face(c, (size_t)(per_area * area),
 					 &(face){ low, high, axis, side ? -1 : 1, window && axis == 0 && side });
 		}
+}
+
+static void add_room(cloud *c, bool window)
+{
+	add_room_of(c, window, 180);
 }
 
 static const gw_light sky = { .type = GW_LIGHT_ENVIRONMENT, .radiance = { 1, 1, 1 } };
@@ -114,9 +121,12 @@ static const float *emission_of(const cloud *c)
  * which may count as right: nothing is dark there. */
 static double right_share(const cloud *c, const gw_light *light, bool both, uint64_t *untrusted)
 {
-	const gw_points points = {
-		.count = c->count, .position = c->position, .up = c->up, .emission = emission_of(c)
-	};
+	const gw_points points = { .count = c->count,
+							   .position = c->position,
+							   .up = c->up,
+							   .emission = emission_of(c),
+							   .scanner = c->scanner,
+							   .scanner_count = c->scanner_count };
 	const gw_surfels_options options = { .lights = light, .light_count = light ? 1 : 0 };
 	gw_surfels s;
 	gw_error error;
@@ -784,6 +794,58 @@ static void test_given_away_from_scanner(void **state)
 	free(c);
 }
 
+/* Two rooms with a wall of 20 cm between them, each with a scanner; nobody knows which took which
+ * points. The one beyond the wall is nearer to some of it than the one that saw it. */
+static void test_scanners_of_two_rooms(void **state)
+{
+	(void)state;
+	cloud *c = new_cloud();
+	add_room_of(c, false, 100);
+	size_t first = c->count;
+	add_room_of(c, false, 100);
+	for (size_t i = first; i < c->count; i++)
+		c->position[3 * i] += 5.2;
+	const double scanner[6] = { 1, 2, 1.5, 6, 2, 1.5 };
+	c->scanner = scanner;
+	c->scanner_count = 2;
+	const gw_light lamp = lamp_at(2.5, 2, 2.3), outside = lamp_at(-3, 2, 2.3);
+	assert_right(c, &lamp, "two rooms of two scanners, a lamp in one");
+	assert_right(c, &outside, "two rooms of two scanners, a lamp before them");
+	assert_right(c, &sun, "two rooms of two scanners in the sun");
+	free(c);
+}
+
+/* Normals of which a third have the wrong sign: two scanners of which nobody knows what they saw
+ * are no reason to do without them. */
+static void test_mixed_signs_before_scanners(void **state)
+{
+	(void)state;
+	const double middle[3] = { 0 }, scanner[6] = { 5, 0, 0, -5, 0, 0 };
+	cloud *c = new_cloud();
+	add_ball(c, 4000, middle, 2, 1);
+	size_t turned = 0;
+	uint64_t random = 1;
+	for (size_t i = 0; i < c->count; i++) {
+		bool turn = next_random(&random) < 1.0 / 3;
+		turned += turn;
+		for (size_t k = 0; k < 3 && turn; k++)
+			c->normal[3 * i + k] = -c->normal[3 * i + k];
+	}
+	const gw_points points = { .count = c->count,
+							   .position = c->position,
+							   .normal = c->normal,
+							   .scanner = scanner,
+							   .scanner_count = 2 };
+	const gw_surfels_options options = { 0 };
+	gw_surfels s;
+	gw_error error;
+	assert_ok(gw_surfels_make(&points, &options, &s, &error), &error);
+	assert_int_equal(s.normals_doubted, 0);
+	assert_int_equal(s.normals_turned, turned);
+	gw_surfels_clear(&s);
+	free(c);
+}
+
 /* What a shell of 100 m^2 and a piece within it see of each other, in metres away. */
 typedef struct shell_case {
 	double piece;    /* m^2 */
@@ -1045,6 +1107,8 @@ int main(void)
 		cmocka_unit_test(test_lit_on_other_side),
 		cmocka_unit_test(test_lamp_in_open_room),
 		cmocka_unit_test(test_given_away_from_scanner),
+		cmocka_unit_test(test_scanners_of_two_rooms),
+		cmocka_unit_test(test_mixed_signs_before_scanners),
 		cmocka_unit_test(test_shells),
 		cmocka_unit_test(test_patches_turn),
 		cmocka_unit_test(test_patches_join),
