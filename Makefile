@@ -271,7 +271,7 @@ $(BUILD)/tests/torture/fault_shim.so: $(call objects,$(TORTURE_SHIM))
 $(BUILD)/tests/hostile/test_faulty_files: LDFLAGS += $(addprefix -Wl$(comma)--wrap=,open read pread write fsync \
 		close fclose flock kill geteuid rename renameat2 statvfs gw_available_memory tradeoff_plan)
 
-test-programs: all $(TEST_PROGRAMS) $(TORTURE)
+test-programs: all $(TEST_PROGRAMS) $(TORTURE) $(addprefix $(BUILD)/tests/bench/,bench_peers make_truth)
 
 # Under sanitizers neither tests of physics nor the campaign run, and in `make test` only what
 # tests/not_sanitized leaves.
@@ -349,8 +349,10 @@ lint: deps  ## style, layers, symbols, hardening, the analyzer's findings, the f
 	@$(build_quietly) $(BUILD)/libglowworm.a $(BUILD)/libglowworm.so $(BUILD)/glowworm $(PLUGINS) analysis
 	@tests/suite.sh $(BUILD):lint
 
-bench: all $(BENCH_PROGRAMS) $(TOOL_PROGRAMS)  ## measure speed and error
-	@set -e; for program in $(BENCH_PROGRAMS); do echo "== $${program##*/}"; $$program; done
+bench: all $(BENCH_PROGRAMS) $(TOOL_PROGRAMS)  ## measure speed and error: tables, and build/bench.json
+	@set -e; for program in $(filter-out %/bench_peers,$(BENCH_PROGRAMS)); do \
+		echo "== $${program##*/}"; $$program; done
+	@echo "== bench_table.py"; BUILD=$(BUILD) tests/bench/bench_table.py $(BUILD)/bench.json
 
 bench-formats: all $(BUILD)/tests/bench/bench_formats  ## speed of reading, into formats/speed.md
 	@tests/bench/formats_table.sh $(BUILD) formats/speed.md 2000000 $(LAZ)

@@ -2,11 +2,12 @@
  * bench_peers.c - seconds and error of the bake beside two usual ways to light a cloud, on the same
  * points: path tracing at every point, and rays that read cached radiance, then a filter.
  *
- *   bench_peers [SCENE.json TRUTH.ply [SECONDS [PREFIX]]]
+ *   bench_peers [--way NAME] [--json] [SCENE.json TRUTH.ply [SECONDS [PREFIX]]]
  *
  * SCENE and TRUTH are what make_truth writes; without them a Cornell box of 20,000 points is lit
- * and its truth traced. Each way climbs its ladder of settings until 3 % are reached or SECONDS
- * (60) are over. PREFIX-NAME.ply receives the last light of each.
+ * and its truth traced. Each way, or the one that is named, climbs its ladder of settings until 3 %
+ * are reached or SECONDS (60) are over. PREFIX-NAME.ply receives the last light of each. --json
+ * writes each row as a line of JSON, and no table.
  *
  * Seconds count from bare points to light at every point, without files. Error is over the points
  * of the truth that do not emit: relRMSE, the same over the best 99 %, and bias, in % of the mean.
@@ -22,6 +23,7 @@
 #include "points/scan_color.h"
 #include "scene/scene_file.h"
 
+#include <getopt.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -46,12 +48,13 @@ typedef struct problem {
 	const gw_light *lights;
 	gw_light *own_lights;
 	size_t light_count;
-	size_t known;   /* points of the truth */
-	size_t *which;  /* known places among the points */
-	double *truth;  /* known luminances */
-	double *found;  /* known */
-	double seconds; /* the most that a ladder may take */
-	const char *prefix;
+	size_t known;             /* points of the truth */
+	size_t *which;            /* known places among the points */
+	double *truth;            /* known luminances */
+	double *found;            /* known */
+	double seconds;           /* the most that a ladder may take */
+	const char *prefix, *way; /* NULL: no files, and all ways */
+	bool json;
 	gw_error error;
 } problem;
 
@@ -225,8 +228,13 @@ static bool show(problem *p, ladder *l, const char *setting, span took, const fl
 		p->found[i] = luminance(radiance + 3 * p->which[i]);
 	if (gw_compare(p->found, p->truth, p->known, &c, &p->error) != GW_OK)
 		return true;
-	printf("%-10s %-26s %8.2f %8.2f %8.2f %8.2f %+8.2f\n", l->name, setting, took.wall, took.busy,
-		   100.0 * c.rel_rmse, 100.0 * c.best_99, 100.0 * c.bias);
+	double unit = p->json ? 1.0 : 100.0;
+	printf(p->json ? "{\"way\": \"%s\", \"setting\": \"%s\", \"seconds\": %.3f, "
+					 "\"processor_seconds\": %.3f, \"relative_rms\": %.5f, \"best_99\": %.5f, "
+					 "\"bias\": %.5f}\n"
+				   : "%-10s %-26s %8.2f %8.2f %8.2f %8.2f %+8.2f\n",
+		   l->name, setting, took.wall, took.busy, unit * c.rel_rmse, unit * c.best_99,
+		   unit * c.bias);
 	fflush(stdout);
 	for (int goal = 0; goal < 2; goal++)
 		for (int best = 0; best < 2; best++) {
@@ -370,19 +378,27 @@ static gw_status climb_cached(problem *p, peers *s, ladder *l)
 	return GW_OK;
 }
 
-static gw_status climb_peers(problem *p, ladder ladders[2])
+static gw_status climb_peer(problem *p, ladder *l, gw_status (*climb)(problem *, peers *, ladder *))
 {
 	peers s = { 0 };
 	gw_status status = make_peers(p, &s);
 	if (status == GW_OK)
-		status = climb_paths(p, &s, &ladders[0]);
-	if (status == GW_OK)
-		status = climb_cached(p, &s, &ladders[1]);
+		status = climb(p, &s, l);
 	peer_discs_clear(&s.discs);
 	free(s.lamps);
 	free(s.light);
 	free(s.radiance);
 	return status;
+}
+
+static gw_status climb_path_tracing(problem *p, ladder *l)
+{
+	return climb_peer(p, l, climb_paths);
+}
+
+static gw_status climb_cached_radiance(problem *p, ladder *l)
+{
+	return climb_peer(p, l, climb_cached);
 }
 
 /* -------------------------------------------------------------------------------- the bake */
@@ -459,31 +475,46 @@ static gw_status climb_surfaces(problem *p, ladder *l)
 
 /* ------------------------------------------------------------------------------------ main */
 
+typedef struct way {
+	const char *name;
+	gw_status (*climb)(problem *p, ladder *l);
+} way;
+
+static const way ways[] = {
+	{ "paths", climb_path_tracing }, { "cached", climb_cached_radiance },
+	{ "presets", climb_presets },    { "targets", climb_targets },
+	{ "surfaces", climb_surfaces },
+};
+#define WAYS (sizeof ways / sizeof *ways)
+
+static bool is_wanted(const problem *p, size_t i)
+{
+	return !p->way || strcmp(p->way, ways[i].name) == 0;
+}
+
 static gw_status measure(problem *p)
 {
-	ladder ladders[] = { { .name = "paths" },
-						 { .name = "cached" },
-						 { .name = "presets" },
-						 { .name = "targets" },
-						 { .name = "surfaces" } };
-	const size_t count = sizeof ladders / sizeof *ladders;
+	ladder ladders[WAYS];
+	gw_status status = GW_OK;
 	p->found = calloc(p->known ? p->known : 1, sizeof *p->found);
 	if (!p->found)
 		return gw_fail(&p->error, GW_ERROR_MEMORY, "no memory for %zu points", p->known);
-	printf("%zu points, truth of %zu\n\n%-10s %-26s %8s %8s %8s %8s %8s\n", p->points.count,
-		   p->known, "", "setting", "seconds", "busy", "relRMSE", "best 99", "bias");
-	gw_status status = climb_peers(p, ladders);
-	if (status == GW_OK)
-		status = climb_presets(p, &ladders[2]);
-	if (status == GW_OK)
-		status = climb_targets(p, &ladders[3]);
-	if (status == GW_OK)
-		status = climb_surfaces(p, &ladders[4]);
+	if (!p->json)
+		printf("%zu points, truth of %zu\n\n%-10s %-26s %8s %8s %8s %8s %8s\n", p->points.count,
+			   p->known, "", "setting", "seconds", "busy", "relRMSE", "best 99", "bias");
+	for (size_t i = 0; i < WAYS && status == GW_OK; i++) {
+		ladders[i] = (ladder){ .name = ways[i].name };
+		if (is_wanted(p, i))
+			status = ways[i].climb(p, &ladders[i]);
+	}
+	if (p->json || status != GW_OK)
+		return status;
 	printf("\nseconds (of all processors) to\n%-10s %19s %19s %19s %19s\n", "", "5 %",
 		   "5 % of best 99", "3 %", "3 % of best 99");
-	for (size_t i = 0; i < count; i++)
-		print_reached(&ladders[i]);
-	return status;
+	for (size_t i = 0; i < WAYS; i++)
+		if (is_wanted(p, i))
+			print_reached(&ladders[i]);
+	return GW_OK;
 }
 
 static void clear(problem *p)
@@ -500,18 +531,40 @@ static void clear(problem *p)
 	free(p->found);
 }
 
+/* Takes the options; the number of arguments behind them, or -1 where one is wrong. */
+static int read_options(problem *p, int count, char **argument)
+{
+	static const struct option long_option[] = { { "way", required_argument, NULL, 'w' },
+												 { "json", no_argument, NULL, 'j' },
+												 { 0 } };
+	bool known = true;
+	for (int c; known && (c = getopt_long(count, argument, "", long_option, NULL)) != -1;) {
+		known = c == 'w' || c == 'j';
+		p->json |= c == 'j';
+		p->way = c == 'w' ? optarg : p->way;
+	}
+	bool wanted = !p->way;
+	for (size_t i = 0; i < WAYS; i++)
+		wanted |= is_wanted(p, i);
+	return known && wanted ? count - optind : -1;
+}
+
 int main(int count, char **argument)
 {
 	problem p = { .settings = settings_default(), .seconds = 60.0 };
-	if (count == 2 || count > 5) {
-		fputs("Usage: bench_peers [SCENE.json TRUTH.ply [SECONDS [PREFIX]]]\n", stderr);
+	int files = read_options(&p, count, argument);
+	argument += optind;
+	if (files < 0 || files == 1 || files > 4) {
+		fputs("Usage: bench_peers [--way paths|cached|presets|targets|surfaces] [--json]\n"
+			  "                   [SCENE.json TRUTH.ply [SECONDS [PREFIX]]]\n",
+			  stderr);
 		return 2;
 	}
-	if (count > 3)
-		p.seconds = strtod(argument[3], NULL);
-	if (count > 4)
-		p.prefix = argument[4];
-	gw_status status = count > 2 ? read_scene(&p, argument[1], argument[2]) : make_scene(&p);
+	if (files > 2)
+		p.seconds = strtod(argument[2], NULL);
+	if (files > 3)
+		p.prefix = argument[3];
+	gw_status status = files > 0 ? read_scene(&p, argument[0], argument[1]) : make_scene(&p);
 	if (status == GW_OK)
 		status = measure(&p);
 	if (status != GW_OK)
