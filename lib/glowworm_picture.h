@@ -212,10 +212,10 @@ void gw_camera_up(char up, double axis[3]);
 /*
  * Whether points of which nobody said so look as if y pointed up, where z is the custom: they have
  * a floor and a ceiling across y, or stand on a base there, or are open there alone, as a thing is
- * whose base was not scanned.
+ * whose base was not scanned, or are a box with things that stand there alone.
  *   position   3 * count, of any unit
- *   sure       receives whether it is a base; floor and ceiling may be the walls of a corridor, and
- *              what is open may be a niche
+ *   sure       receives whether it is a base; floor and ceiling may be the walls of a corridor,
+ *              what is open may be a niche, and what stands in a box may hang on its wall
  * Returns 'y', or 0: nothing speaks against z.
  */
 char gw_likely_up(const double *position, size_t count, bool *sure);

@@ -512,25 +512,36 @@ static gw_status check_up(const settings *s, loaded_scene *scene, char up, const
 	return GW_OK;
 }
 
+/* The axis that is up by custom where the formats of all inputs have the same; who gives a matrix
+ * knows how they lie. */
+static char custom_up(const settings *s, const loaded_scene *scene)
+{
+	char up = scene->input[0].format->custom_up;
+	for (size_t i = 0; i < s->input_count; i++)
+		if (s->input[i].has_matrix || scene->input[i].format->custom_up != up)
+			return 0;
+	return up;
+}
+
 /* Where nothing says which axis is up: does it look like y? */
 static gw_status notice_up(const settings *s, loaded_scene *scene, gw_error *error)
 {
 	bool said = s->up != SETTINGS_UP_AUTO || scene->says_up || s->scanner_count > 0;
 	bool doubtful = false;
 	if (!said)
-		scene->up = scan_up(&scene->cloud, scene->points.position, &doubtful);
+		scene->up = scan_up(&scene->cloud, scene->points.position, custom_up(s, scene), &doubtful);
 	if (doubtful)
 		return scan_add_comment(&scene->cloud,
 								SCAN_NOTE "nothing says which axis points up, and z is taken; the "
 										  "points lie as if it were y, with a floor and a ceiling "
-										  "across it or open below: if y points up, say --up y",
+										  "across it, with things on a floor, or open below: if y "
+										  "points up, say --up y",
 								error);
 	return said || scene->up == scene->cloud.up
 			   ? GW_OK
 			   : scan_add_comment(&scene->cloud,
 								  SCAN_NOTE "nothing says which axis points up, and y is taken, "
-											"across which the points stand on a base; if that is "
-											"wrong, say --up z",
+											"by how the points lie; if that is wrong, say --up z",
 								  error);
 }
 

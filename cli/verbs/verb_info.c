@@ -230,7 +230,7 @@ static void find_up(const settings *s, facts *f, const double *position)
 	if (f->up_said)
 		f->up = settings_up_axis(s->up);
 	else
-		f->up = scan_up(f->cloud, position, &f->up_doubtful);
+		f->up = scan_up(f->cloud, position, f->format->custom_up, &f->up_doubtful);
 	if (s->places && f->up_doubtful)
 		text_message(stderr,
 					 "glowworm: note: %s: nothing says which axis points up, and z is taken; the "

@@ -363,5 +363,6 @@ const format obj_format = {
 	.name = "obj",
 	.description = "Wavefront OBJ, vertices or a mesh",
 	.extensions = extensions,
+	.custom_up = 'y', /* as programs for modelling write it: Blender, Maya, 3ds Max */
 	.read = obj_read,
 };

@@ -19,6 +19,8 @@ typedef struct format {
 	const char *name;              /* "ply", as on the command line */
 	const char *description;       /* for --help, a few words */
 	const char *const *extensions; /* NULL-terminated, lower case without the dot */
+	char custom_up;                /* the axis that is up in most files of a format that does not
+									  say; 0: nobody knows */
 
 	/* True when the first `length` bytes of a file look like this format, of which at least the
 	 * first 4096 are given if the file has them. NULL: by extension only. */

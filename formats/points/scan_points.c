@@ -358,10 +358,11 @@ void scan_points_clear(scan_points *points)
 	memset(points, 0, sizeof *points);
 }
 
-char scan_up(const scan *cloud, const double *position, bool *doubtful)
+char scan_up(const scan *cloud, const double *position, char custom, bool *doubtful)
 {
 	bool said = cloud->up != 'z' || cloud->says_up || cloud->scanner_count > 0, sure = false;
 	bool likely = !said && gw_likely_up(position, cloud->count, &sure);
+	sure = sure || custom == 'y';
 	*doubtful = likely && !sure;
 	return likely && sure ? 'y' : cloud->up;
 }

@@ -4,7 +4,9 @@
  * Levels show as slabs that hold many of the points: thin ones where a thing's base ends, wide ones
  * where a floor or a ceiling is not quite level. One wall says nothing: seen from the side it is
  * what ground is from above. Of a thing whose base was not scanned most lines along the axis that
- * it stood on meet one sheet, and along the others two.
+ * it stood on meet one sheet, and along the others two. A box that one looks into from the side, as
+ * a stage or the Cornell box, has as many sides along y as along z, but what is in it stands on
+ * one.
  */
 #include "glowworm_picture.h"
 
@@ -42,6 +44,15 @@
  * this share of that along the others. */
 #define OPEN_LEAST 0.35
 #define OPEN_OTHERS 0.5
+
+/* A box: so many sides, each with at least this share of the points within so much of an end. A
+ * sixth is what a side of a cube has; half as much where what stands in it has as many points, and
+ * half of that where it is long; a ball has less near its ends. What stands in it has at least
+ * BASE_LEAST of the points within so much of the floor, of the longest extent. */
+#define BOX_SIDES 5
+#define BOX_SIDE (1.0 / 24.0)
+#define BOX_WIDTH 0.02
+#define STANDS_WITHIN 0.1
 
 /* Points that are looked at in columns, at most; how many are in one, and what counts at least;
  * sheets are so many widths of a column apart. */
@@ -84,13 +95,17 @@ static double share_at_end(const axis_points *a, double width, double end, bool 
 	return most;
 }
 
+static bool is_finite(const double *p)
+{
+	return isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2]);
+}
+
 static bool list_axis(const double *position, size_t count, int axis, axis_points *a)
 {
 	size_t step = count / POINTS_MOST + 1;
 	a->at = gw_allocate_array(count / step + 1, sizeof *a->at);
 	for (size_t i = 0; a->at && i < count; i += step)
-		if (isfinite(position[3 * i]) && isfinite(position[3 * i + 1]) &&
-			isfinite(position[3 * i + 2]))
+		if (is_finite(position + 3 * i))
 			a->at[a->count++] = position[3 * i + (size_t)axis];
 	if (!a->at || a->count < POINTS_LEAST)
 		return false;
@@ -125,6 +140,50 @@ static bool has_levels(const axis_points a[3], double longest)
 	return level[1][0] >= LEVEL_LEAST && level[1][1] >= LEVEL_LEAST &&
 		   level[1][0] + level[1][1] >= LEVEL_TIMES * most && height > LEVEL_APART * longest &&
 		   height < a[0].high - a[0].low && height < a[2].high - a[2].low;
+}
+
+/* ------------------------------------------------------------------------------------------ box */
+
+/* Of the low and high end of each axis: shares of the points that lie in it, and that lie near it
+ * but in no end. */
+typedef struct box_ends {
+	double side[3][2], near[3][2];
+} box_ends;
+
+static void add_to_ends(const double *p, const axis_points a[3], double longest, box_ends *ends)
+{
+	double depth[3][2], least = INFINITY;
+	for (int k = 0; k < 3; k++) {
+		depth[k][0] = p[k] - a[k].low;
+		depth[k][1] = a[k].high - p[k];
+		least = fmin(least, fmin(depth[k][0], depth[k][1]));
+	}
+	for (int k = 0; k < 3; k++)
+		for (int high = 0; high < 2; high++) {
+			ends->side[k][high] += fabs(depth[k][high]) <= BOX_WIDTH * longest;
+			ends->near[k][high] +=
+				least > BOX_WIDTH * longest && depth[k][high] <= STANDS_WITHIN * longest;
+		}
+}
+
+/* Is it a box, of which a side may be open, and all that is in it stands on the low end of y? */
+static bool has_things_on_floor(const double *position, size_t count, const axis_points a[3],
+								double longest)
+{
+	box_ends ends = { .side = { { 0 } } };
+	for (size_t i = 0; i < count; i += count / POINTS_MOST + 1)
+		if (is_finite(position + 3 * i))
+			add_to_ends(position + 3 * i, a, longest, &ends);
+	int sides = 0;
+	double on_floor = ends.near[1][0], others = 0.0, all = (double)a[1].count;
+	ends.near[1][0] = 0.0;
+	for (int k = 0; k < 3; k++)
+		for (int high = 0; high < 2; high++) {
+			sides += ends.side[k][high] >= BOX_SIDE * all;
+			others = fmax(others, ends.near[k][high]);
+		}
+	return sides >= BOX_SIDES && ends.side[1][0] >= BOX_SIDE * all &&
+		   on_floor >= BASE_LEAST * all && on_floor >= BASE_TIMES * others;
 }
 
 /* -------------------------------------------------------------------------------------- columns */
@@ -213,7 +272,9 @@ char gw_likely_up(const double *position, size_t count, bool *sure)
 	}
 	if (listed && longest > 0.0) {
 		*sure = has_base(a, longest);
-		found = *sure || has_levels(a, longest) || has_open_base(position, count, a, longest);
+		found = *sure || has_levels(a, longest) ||
+				has_things_on_floor(position, count, a, longest) ||
+				has_open_base(position, count, a, longest);
 	}
 	for (int k = 0; k < 3; k++)
 		free(a[k].at);
