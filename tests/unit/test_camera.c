@@ -681,14 +681,14 @@ static size_t add_half_egg(double *at, size_t count, size_t axis)
 	return count;
 }
 
-/* A box of side 2 without one of its sides, as add_sides numbers them, and two blocks in it that
+/* A box of side 2 of which those sides are there that add_sides names so, and two blocks in it that
  * stand or hang on side `on`, off all others: their ends are as far from it as their height, and
  * off the middle. A fifth of the points is theirs. */
-static size_t add_stage(double *at, size_t count, unsigned open, unsigned on)
+static size_t add_stage(double *at, size_t count, unsigned sides, unsigned on)
 {
 	const double side[3] = { 2, 2, 2 }, block[2][3] = { { 0.6, 0.6, 0.6 }, { 0.6, 1.2, 0.6 } };
 	const double place[2][2] = { { 0.4, 0.5 }, { 1.1, 0.8 } };
-	size_t total = add_sides(at, count * 4 / 5, side, 0x3fu & ~(1u << open)), up = on / 2;
+	size_t total = add_sides(at, count * 4 / 5, side, sides), up = on / 2;
 	for (size_t b = 0; b < 2; b++) {
 		double *own = at + 3 * total;
 		size_t added = add_sides(own, count / 10, block[b], 0x3f);
@@ -752,15 +752,18 @@ static void test_up_of_stage(void **state)
 	for (unsigned open = 0; open < 6; open++)
 		for (unsigned on = 0; on < 6; on++)
 			if (open != on)
-				assert_int_equal(likely_up(at, add_stage(at, COUNT, open, on), false),
-								 on == LOW_Y ? 'y' : 0);
+				assert_int_equal(
+					likely_up(at, add_stage(at, COUNT, 0x3f & ~(1u << open), on), false),
+					on == LOW_Y ? 'y' : 0);
 	const double side[3] = { 2, 2, 2 };
 	assert_int_equal(likely_up(at, add_sides(at, COUNT, side, 0x2f), false), 0);
-	size_t count = add_stage(at, COUNT, 5, LOW_Y);
+	/* Two walls, a floor and a ceiling are no box: such floors may be the walls of a corridor. */
+	assert_int_equal(likely_up(at, add_stage(at, COUNT, 0x0f, LOW_Y), false), 0);
+	size_t count = add_stage(at, COUNT, 0x1f, LOW_Y);
 	for (size_t i = count - COUNT / 10; i < count; i++)
 		at[3 * i + 2] -= 1.1;
 	assert_int_equal(likely_up(at, count, false), 0);
-	count = add_stage(at, COUNT, 5, LOW_Y);
+	count = add_stage(at, COUNT, 0x1f, LOW_Y);
 	for (size_t i = count - 2 * (COUNT / 10); i < count; i++)
 		at[3 * i + 1] += 0.4;
 	assert_int_equal(likely_up(at, count, false), 0);
