@@ -228,7 +228,7 @@ static bool sees(const sight *w, size_t scanner, size_t surfel, way *y)
 static void look_for_scanners(void *user, size_t first, size_t last, uint32_t worker)
 {
 	const sight *w = user;
-	size_t words = gw_seen_by_words(w->places);
+	size_t step = gw_sight_step(w->places->count);
 	(void)worker;
 	for (size_t at = first; at < last; at++) {
 		size_t surfel = (w->first + at) * w->every;
@@ -237,16 +237,17 @@ static void look_for_scanners(void *user, size_t first, size_t last, uint32_t wo
 			y.from[k] = (double)w->surfels->position[3 * surfel + k];
 			y.normal[k] = (double)w->places->plane[4 * surfel + k];
 		}
-		for (size_t i = 0; i < w->places->count; i++)
-			if (sees(w, i, surfel, &y))
-				w->seen_by[words * surfel + i / 64] |= (uint64_t)1 << i % 64;
+		for (size_t i = 0; i * step < w->places->count; i++)
+			if (sees(w, i * step, surfel, &y))
+				w->seen_by[surfel] |= (uint64_t)1 << i;
 	}
 }
 
 /* In parts, between which somebody may stop it. */
 static gw_status look_for_all(sight *w, const gw_surfels_options *o, gw_error *error)
 {
-	w->every = 1 + w->surfels->count * w->places->count / GW_SIGHTS;
+	size_t asked = w->places->count / gw_sight_step(w->places->count);
+	w->every = 1 + w->surfels->count * asked / GW_SIGHTS;
 	size_t count = (w->surfels->count + w->every - 1) / w->every;
 	for (w->first = 0; w->first < count; w->first += PART) {
 		if (o->cancelled && o->cancelled(o->user))

@@ -18,25 +18,28 @@ typedef struct gw_scanner_places {
 	const float *plane; /* 4 a surfel: normal of either sign, and anything */
 } gw_scanner_places;
 
+/* Ways to scanners that are followed, about. */
+#define GW_SIGHTS 4000000u
+
+/* Of more scanners than that one in so many is asked. */
+#define GW_SIGHT_SCANNERS 64u
+static inline size_t gw_sight_step(size_t scanners)
+{
+	return (scanners + GW_SIGHT_SCANNERS - 1) / GW_SIGHT_SCANNERS;
+}
+
 /*
  * Finds the scanners that have a surfel's front in sight, or either side of what is lit on both. Of
- * many surfels some are looked at alone, evenly, GW_SIGHTS for all scanners together.
+ * many surfels some are looked at alone, one in so many that GW_SIGHTS ways are followed.
  *   places   with the surfels' normals as planes
  *   options  its threads, and what asks whether to stop
- *   seen_by  gw_seen_by_words(places) * surfels->count, zeros; receives bits: of word k of a surfel
- *            bit i stands for scanner 64 k + i
+ *   seen_by  surfels->count, zeros; receives bits, of which bit i stands for scanner
+ *            i * gw_sight_step(places->count)
  * Fails with GW_ERROR_MEMORY or GW_ERROR_CANCELLED. The result does not depend on threads.
  */
-#define GW_SIGHTS 4000000u
 gw_status gw_scanners_see(gw_neighbours *search, const gw_surfels *surfels,
 						  const gw_scanner_places *places, const gw_surfels_options *options,
 						  uint64_t *seen_by, gw_error *error);
-
-/* Words that the scanners take of each surfel. */
-static inline size_t gw_seen_by_words(const gw_scanner_places *places)
-{
-	return (places->count + 63) / 64;
-}
 
 /*
  * What share of the ways from places on the surface leaves the scene without crossing it, on the

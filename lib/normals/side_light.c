@@ -8,6 +8,7 @@
 #include "glowworm_host.h"
 #include "octree/trace_constants.h"
 #include "normals/disc_tree.h"
+#include "normals/scanner_sight.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -283,10 +284,11 @@ static void add_lights(const side_work *w, place *p)
 	}
 }
 
-/* Which scanners see a place, and from where. */
+/* From where scanners see a place. */
 static void look_from_scanners(const side_work *w, place *p)
 {
-	for (size_t i = 0; i < w->patches->scanner_count; i++) {
+	size_t count = w->patches->scanner_count;
+	for (size_t i = 0; i < count; i += gw_sight_step(count)) {
 		const double *at = w->patches->scanner + 3 * i;
 		gw_vec3 to = gw_minus((gw_vec3){ (float)at[0], (float)at[1], (float)at[2] }, p->disc.place);
 		float length = sqrtf(gw_dot(to, to));

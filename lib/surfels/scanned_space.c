@@ -64,8 +64,7 @@ typedef struct work {
 	uint32_t *kept;       /* points->scanner_count: which of them, or UINT32_MAX */
 	uint32_t *scanner_of; /* surfels->count: who saw each, of points->scanner; UINT32_MAX where
 							 nobody knows */
-	uint64_t *seen_by;    /* then all that may have seen it: words of bits a surfel; or NULL */
-	size_t words;
+	uint64_t *seen_by;    /* then those that may have, as gw_scanners_see has them; or NULL */
 	gw_scanned_space *space;
 } work;
 
@@ -93,15 +92,21 @@ static size_t cell_of(const scanner *s, const float way[3], float distance)
 	return (size_t)row * columns + column;
 }
 
-/* Did a scanner see the surfel of a point, as far as anybody knows? */
-static bool may_have_seen(const work *w, size_t point, size_t by)
+/* The first scanner from a number on that saw the surfel of a point, as far as anybody knows, or
+ * how many there are. */
+static size_t next_to_see(const work *w, size_t point, size_t from)
 {
 	uint32_t surfel = w->surfels->surfel_of_point[point];
+	size_t count = w->points->scanner_count;
 	if (surfel == UINT32_MAX)
-		return false;
-	if (w->scanner_of[surfel] != UINT32_MAX || !w->seen_by)
-		return w->scanner_of[surfel] == by;
-	return w->seen_by[w->words * surfel + by / 64] >> by % 64 & 1;
+		return count;
+	if (w->scanner_of[surfel] != UINT32_MAX)
+		return from <= w->scanner_of[surfel] ? w->scanner_of[surfel] : count;
+	size_t step = gw_sight_step(count);
+	for (size_t i = (from + step - 1) / step; w->seen_by && i * step < count; i++)
+		if (w->seen_by[surfel] >> i & 1)
+			return i * step;
+	return count;
 }
 
 static void add_point(const work *w, size_t point, scanner *s)
@@ -231,8 +236,7 @@ static gw_status look(work *w, const gw_scanner_places *places, const gw_surfels
 					  gw_error *error)
 {
 	gw_neighbours *search = NULL;
-	w->words = gw_seen_by_words(places);
-	w->seen_by = gw_allocate_zeros(w->surfels->count, w->words * sizeof *w->seen_by);
+	w->seen_by = gw_allocate_zeros(w->surfels->count, sizeof *w->seen_by);
 	if (!w->seen_by)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for what %zu scanners saw",
 					   places->count);
@@ -297,8 +301,8 @@ static bool choose_scanners(work *w)
 		w->kept[s] = UINT32_MAX;
 	}
 	for (size_t i = 0; i < p->count; i++)
-		for (size_t s = 0; s < p->scanner_count; s++)
-			all[s].points += may_have_seen(w, i, s);
+		for (size_t s = next_to_see(w, i, 0); s < p->scanner_count; s = next_to_see(w, i, s + 1))
+			all[s].points++;
 	qsort(all, p->scanner_count, sizeof *all, by_points);
 	while (kept < p->scanner_count && kept < GW_SPACE_SCANNERS &&
 		   all[kept].points >= GW_SPACE_POINTS_LEAST) {
@@ -324,9 +328,10 @@ static bool make_depths(work *w)
 		for (size_t c = 0; c < 2 * cells; c++)
 			s->depth[c] = NOTHING;
 	}
+	size_t all = w->points->scanner_count;
 	for (size_t i = 0; i < w->points->count; i++)
-		for (size_t s = 0; s < w->points->scanner_count; s++)
-			if (w->kept[s] != UINT32_MAX && may_have_seen(w, i, s))
+		for (size_t s = next_to_see(w, i, 0); s < all; s = next_to_see(w, i, s + 1))
+			if (w->kept[s] != UINT32_MAX)
 				add_point(w, i, &w->scanner[w->kept[s]]);
 	bool good = true;
 	for (size_t i = 0; i < w->scanners && good; i++) {
