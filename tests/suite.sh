@@ -44,7 +44,8 @@ asan="detect_leaks=1:allocator_may_return_null=1:malloc_context_size=8"
 # What is freed is kept from being used again until 64 MB more are freed, not 256, which is more
 # than most of these programs allocate in all; and freed pages are not given back to the system on
 # the way: each page that is touched anew costs more than what the test does with it.
-asan+=":quarantine_size_mb=64:thread_local_quarantine_size_kb=64:allocator_release_to_os_interval_ms=-1"
+asan+=":quarantine_size_mb=64:thread_local_quarantine_size_kb=64"
+asan+=":allocator_release_to_os_interval_ms=-1"
 
 # glibc fills memory that is allocated with 0x5a and what is freed with 0xa5, so that a value that
 # was never set is wrong in every run. Sanitizers have an allocator of their own.
