@@ -37,8 +37,8 @@ delight() {
 	glowworm albedo "$@" --rays 32 --input-gamma linear -q -f -o albedo.csv --seed 5 &&
 		awk -f right.awk room.csv albedo.csv
 }
-# What differs from another run here in its numbers alone: sanitizers, which take four times as long,
-# see nothing new in it.
+# What differs from another run here in its numbers alone: sanitizers, which take four times as
+# long, see nothing new in it.
 delight_again() { # what it says, arguments
 	case $GLOWWORM in
 	*sanitize*) echo "$1" ;;
