@@ -454,6 +454,7 @@ void gw_scanned_space_clear(gw_scanned_space *space)
 {
 	free(space->state);
 	free(space->hole_cell);
+	free(space->solid_block);
 	*space = (gw_scanned_space){ .scanners = 0 };
 }
 
@@ -548,13 +549,37 @@ uint32_t gw_scanned_space_hole(const gw_scanned_space *space, const gw_way *way,
 	return passes ? hole_at(space, at) : GW_NO_HOLE;
 }
 
+/* So many steps on, the way is still in the block that holds the cell of a place. */
+static uint32_t steps_in_block(const gw_scanned_space *space, const uint32_t at[3],
+							   const float place[3], gw_vec3 direction)
+{
+	const float d[3] = { direction.x, direction.y, direction.z };
+	float least = INFINITY;
+	for (int k = 0; k < 3; k++) {
+		uint32_t edge = at[k] / GW_SPACE_BLOCK + (d[k] > 0.0f ? 1 : 0);
+		float to = space->low[k] + (float)(edge * GW_SPACE_BLOCK) * space->cell - place[k];
+		float ahead = to / d[k]; /* along the edge infinite, or no number */
+		least = ahead < least ? ahead : least;
+	}
+	/* One less, so that no rounding leads out of it; a way has a length in any case. */
+	float steps = least / (STEP * space->cell) - 1.0f;
+	return steps > 0.0f && steps < (float)(4 * GW_SPACE_BLOCK) ? (uint32_t)steps : 0;
+}
+
 bool gw_scanned_space_is_solid(const gw_scanned_space *space, const gw_way *way, float *where)
 {
 	uint32_t at[3], solid = 0;
-	for (float t = space->cell; space->solid && t < way->length; t += STEP * space->cell) {
-		gw_vec3 place = gw_plus(way->from, gw_times(way->direction, t));
-		if (!gw_scanned_space_cell(space, (const float[]){ place.x, place.y, place.z }, at))
+	for (uint32_t step = 0; space->solid; step++) {
+		float t = (1.0f + STEP * (float)step) * space->cell;
+		gw_vec3 on = gw_plus(way->from, gw_times(way->direction, t));
+		const float place[3] = { on.x, on.y, on.z };
+		if (!(t < way->length) || !gw_scanned_space_cell(space, place, at))
 			break;
+		if (!space->solid_block[gw_scanned_space_block(space, at)]) {
+			solid = 0;
+			step += steps_in_block(space, at, place, way->direction);
+			continue;
+		}
 		solid = space->state[cell_at(space, at)] == GW_SPACE_SOLID ? solid + 1 : 0;
 		if (solid < UNKNOWN_STEPS)
 			continue;

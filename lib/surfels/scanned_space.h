@@ -59,7 +59,8 @@ typedef struct gw_scanned_space {
 	float hole_width, hole_place[3];
 	float holes_low[3], holes_high[3]; /* around all of them, metres likewise */
 	bool solid;                        /* some cells are */
-	uint64_t *hole_cell; /* hole_cells, ascending: a cell of one, shifted by 32 bits, and which */
+	uint8_t *solid_block; /* one a block of GW_SPACE_BLOCK cells a side: whether some are */
+	uint64_t *hole_cell;  /* hole_cells, ascending: a cell of one, shifted by 32 bits, and which */
 	size_t hole_cells;
 } gw_scanned_space;
 
@@ -79,6 +80,22 @@ static inline bool gw_scanned_space_cell(const gw_scanned_space *space, const fl
 		at[k] = (uint32_t)cell;
 	}
 	return true;
+}
+
+/* Cells along the side of a block. */
+#define GW_SPACE_BLOCK 8u
+
+/* How many blocks there are along an axis, and which holds a cell. */
+static inline uint32_t gw_scanned_space_blocks(const gw_scanned_space *space, int axis)
+{
+	return (space->cells[axis] + GW_SPACE_BLOCK - 1) / GW_SPACE_BLOCK;
+}
+
+static inline size_t gw_scanned_space_block(const gw_scanned_space *space, const uint32_t at[3])
+{
+	size_t row = (size_t)(at[2] / GW_SPACE_BLOCK) * gw_scanned_space_blocks(space, 1) +
+				 at[1] / GW_SPACE_BLOCK;
+	return row * gw_scanned_space_blocks(space, 0) + at[0] / GW_SPACE_BLOCK;
 }
 
 /* Whether anything is known of what lies between surfaces. */

@@ -46,6 +46,24 @@ static void walk(const gw_surfels *s, const gw_scanned_space *space, size_t i, u
 	}
 }
 
+/* Marks the blocks that hold something solid. */
+static bool mark_blocks(gw_scanned_space *space)
+{
+	size_t blocks = 1, cell = 0;
+	for (int k = 0; k < 3; k++)
+		blocks *= gw_scanned_space_blocks(space, k);
+	space->solid_block = gw_allocate_zeros(blocks, sizeof *space->solid_block);
+	if (!space->solid_block)
+		return false;
+	for (uint32_t z = 0; z < space->cells[2]; z++)
+		for (uint32_t y = 0; y < space->cells[1]; y++)
+			for (uint32_t x = 0; x < space->cells[0]; x++, cell++)
+				if (space->state[cell] == GW_SPACE_SOLID)
+					space->solid_block[gw_scanned_space_block(space,
+															  (const uint32_t[]){ x, y, z })] = 1;
+	return true;
+}
+
 gw_status gw_solid_cells_mark(const gw_surfels *surfels, gw_scanned_space *space, gw_error *error)
 {
 	size_t cells = (size_t)space->cells[0] * space->cells[1] * space->cells[2];
@@ -63,5 +81,7 @@ gw_status gw_solid_cells_mark(const gw_surfels *surfels, gw_scanned_space *space
 		space->solid = true;
 	}
 	free(behind);
+	if (space->solid && !mark_blocks(space))
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for what is solid in %zu cells", cells);
 	return GW_OK;
 }
