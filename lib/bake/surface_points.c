@@ -7,6 +7,7 @@
 #include "base/memory.h"
 #include "cloud/bulk_bounds.h"
 #include "cloud/frame.h"
+#include "device/gpu.h"
 #include "glowworm_host.h"
 
 #include <float.h>
@@ -41,6 +42,8 @@ size_t gw_surface_points_most(const gw_points *points, const gw_bake_options *op
 {
 	if (options->surface_points > 0)
 		return options->surface_points;
+	/* What drivers take would count or not, as they happen to be loaded. */
+	gw_drivers_wait(options->drivers);
 	uint64_t available = gw_available_memory() / 4 * 3, taken = gw_resident_memory();
 	uint64_t left = available;
 	if (options->memory > 0)

@@ -36,6 +36,9 @@ typedef struct gw_gpu_options {
 	void *user;
 } gw_gpu_options;
 
+/* Returns when drivers are loaded. NULL is accepted. */
+void gw_drivers_wait(gw_drivers *drivers);
+
 gw_status gw_gpu_create(const gw_gpu_options *options, gw_gpu **gpu, gw_error *error);
 void gw_gpu_destroy(gw_gpu **gpu);
 

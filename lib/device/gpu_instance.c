@@ -197,10 +197,11 @@ struct gw_drivers {
 	gw_instance instance; /* an instance keeps its drivers loaded */
 };
 
-static void wait_for(gw_drivers *drivers)
+void gw_drivers_wait(gw_drivers *drivers)
 {
-	if (!drivers->loaded)
-		pthread_join(drivers->thread, NULL);
+	if (drivers == NULL || drivers->loaded)
+		return;
+	pthread_join(drivers->thread, NULL);
 	drivers->loaded = true;
 }
 
@@ -210,7 +211,7 @@ static const gw_instance *loaded_instance(const gw_gpu_options *options)
 	if (options->drivers == NULL || options->validate || options->validate_synchronization ||
 		options->validate_gpu_assisted)
 		return NULL;
-	wait_for(options->drivers);
+	gw_drivers_wait(options->drivers);
 	const gw_instance *instance = &options->drivers->instance;
 	return instance->handle != VK_NULL_HANDLE ? instance : NULL;
 }
@@ -553,7 +554,7 @@ void gw_drivers_release(gw_drivers **drivers)
 {
 	if (*drivers == NULL)
 		return;
-	wait_for(*drivers);
+	gw_drivers_wait(*drivers);
 	gw_instance_destroy(&(*drivers)->instance);
 	free(*drivers);
 	*drivers = NULL;

@@ -25,7 +25,8 @@ typedef struct gw_scanner_places {
 #define GW_SIGHT_SCANNERS 64u
 static inline size_t gw_sight_step(size_t scanners)
 {
-	return (scanners + GW_SIGHT_SCANNERS - 1) / GW_SIGHT_SCANNERS;
+	return scanners > GW_SIGHT_SCANNERS ? (scanners + GW_SIGHT_SCANNERS - 1) / GW_SIGHT_SCANNERS
+										: 1;
 }
 
 /*
