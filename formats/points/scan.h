@@ -74,8 +74,10 @@ typedef struct scan {
 /*
  * Which axis of a cloud is up, as gw_camera_up has it: what its format or it itself says, or where
  * neither a line in it nor a scanner tells, y if its points stand on a base there (gw_likely_up),
- * or seem to have y up for another reason and that is the custom, too. position   3 * count custom
- * custom_up of its format doubtful   receives whether z is taken, but y may be meant
+ * or seem to have y up for another reason and that is the custom, too.
+ *   position   3 * count
+ *   custom     custom_up of its format
+ *   doubtful   receives whether z is taken, but y may be meant
  */
 char scan_up(const scan *cloud, const double *position, char custom, bool *doubtful);
 

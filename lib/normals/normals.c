@@ -332,6 +332,15 @@ static bool is_seen_by_one(const normal_step *step, size_t surfel)
 							: step->scanner_count > 0;
 }
 
+/* Is there a surfel with one of these bits? */
+static bool has_state(const normal_step *step, uint8_t bits)
+{
+	for (size_t i = 0; i < step->surfels->count; i++)
+		if (step->state[i] & bits)
+			return true;
+	return false;
+}
+
 /* Does nobody know of some surfels who saw them? */
 static bool is_open(const normal_step *step)
 {
@@ -461,8 +470,10 @@ static gw_status complete(normal_step *step, const gw_points *points,
 	GW_TRY(take_few(step, error));
 	GW_TRY(choose_planes(step, error));
 	set_normals(step);
-	GW_TRY(run_votes(step, error));
-	apply_votes(step);
+	if (has_state(step, UNSURE)) {
+		GW_TRY(run_votes(step, error));
+		apply_votes(step);
+	}
 	if (is_open(step))
 		GW_TRY(choose_sides(step, options, error));
 	apply_states(step);

@@ -232,6 +232,7 @@ static bool take_named(const work *w)
 	return open;
 }
 
+/* Which scanners have each surfel in sight. */
 static gw_status look(work *w, const gw_scanner_places *places, const gw_surfels_options *options,
 					  gw_error *error)
 {
