@@ -60,32 +60,40 @@ void text_quote_json(FILE *out, const char *text)
 	fputc('"', out);
 }
 
-static void put_message(FILE *out, const char *text)
+/* Copies a message with its control characters and broken bytes as \xNN; 4 bytes a byte are room
+ * enough. Returns the end. */
+static char *escape_message(char *to, const char *text)
 {
 	for (const unsigned char *c = (const unsigned char *)text; *c;) {
 		size_t length = utf8_length(c);
 		bool last = *c == '\n' && !c[1];
 		bool control = *c < 0x20 || *c == 0x7f || (*c == 0xc2 && length == 2 && c[1] < 0xa0);
-		if (length > 0 && (last || !control)) {
-			fwrite(c, 1, length, out);
-			c += length;
-		} else {
-			fprintf(out, "\\x%02x", *c++);
-			while (length > 1 && length--)
-				fprintf(out, "\\x%02x", *c++);
-		}
+		bool plain = length > 0 && (last || !control);
+		for (size_t left = length ? length : 1; left > 0; left--, c++)
+			if (plain)
+				*to++ = (char)*c;
+			else
+				to += snprintf(to, 5, "\\x%02x", *c);
 	}
+	return to;
 }
 
 void text_message(FILE *out, const char *format, ...)
 {
-	char *text = NULL;
+	char *text = NULL, *escaped = NULL;
 	va_list arguments;
 	va_start(arguments, format);
 	if (vasprintf(&text, format, arguments) < 0)
 		text = NULL;
 	va_end(arguments);
-	put_message(out, text ? text : "glowworm: no memory for a message\n");
+	if (text)
+		escaped = calloc(strlen(text) + 1, 4);
+	/* At once: standard error has no buffer, and other processes may write lines to it. */
+	if (escaped)
+		fwrite(escaped, 1, (size_t)(escape_message(escaped, text) - escaped), out);
+	else
+		fputs("glowworm: no memory for a message\n", out);
+	free(escaped);
 	free(text);
 }
 
