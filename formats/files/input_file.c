@@ -148,6 +148,8 @@ static gw_status copy_file(input_file *in, int descriptor, const struct stat *in
 	if (bytes == MAP_FAILED)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the %zu bytes of %s", length,
 					   in->name);
+	/* A page at a time, to get them takes longer than to fill them; no matter if it cannot be. */
+	(void)madvise(bytes, length, MADV_HUGEPAGE);
 	in->data = bytes;
 	in->length = length;
 	in->storage = INPUT_FILE_COPIED;

@@ -175,7 +175,7 @@ static void look_from_all(void *user, size_t first, size_t last, uint32_t worker
 	for (size_t i = first; i < last; i++) {
 		if (gw_loop_stopped(w->task->on.passes->gpu, worker, &w->stopped))
 			return;
-		look_around(w, i);
+		look_around(w, i * w->task->step);
 	}
 }
 
@@ -195,13 +195,13 @@ gw_status gw_emitted_ways_find(const gw_emitted_ways_task *task, gw_emitted_ways
 							   gw_error *error)
 {
 	work w = { .task = task, .ways = ways };
-	size_t count = task->on.records->count;
+	size_t count = task->on.records->count, looked = (count + task->step - 1) / task->step;
 	draw_emitters(&w);
 	for (size_t i = 0; i < count; i++)
 		ways[i] = (gw_emitted_ways){ 0 };
 	gw_status status = open_views(&w, error);
 	if (status == GW_OK) {
-		gw_parallel_for(task->threads, count, CHUNK, look_from_all, &w);
+		gw_parallel_for(task->threads, looked, CHUNK, look_from_all, &w);
 		if (atomic_load(&w.stopped))
 			status = gw_fail(error, GW_ERROR_CANCELLED, "stopped while gaps were looked for");
 	}

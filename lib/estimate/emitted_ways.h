@@ -5,7 +5,8 @@
  * Ways go from each record to some of the points that emit, drawn by their power. Only of a record
  * that has ways through gaps or solids is it asked which of all its ways are free: by rays through
  * the points' discs (check_discs.h). And where records look through gaps and solids it is looked
- * from there which emitters would light the surface that is missing.
+ * from there which emitters would light the surface that is missing. Of many records that is done
+ * at every so many-th: what is asked are means over them.
  */
 #ifndef EMITTED_WAYS_H
 #define EMITTED_WAYS_H
@@ -29,6 +30,7 @@ typedef struct gw_emitted_ways_task {
 	const gw_ray_gather *rays;   /* of the records */
 	const gw_check_discs *discs; /* open */
 	uint32_t threads;
+	size_t step; /* records are looked at whose number is a multiple of this: at least 1 */
 } gw_emitted_ways_task;
 
 /* What a surfel that may emit sends to one side, over pi: W, as luminance. */
@@ -37,7 +39,7 @@ static inline double gw_emitted_power(const gw_surfels *s, size_t surfel)
 	return (double)s->area[surfel] * gw_luminance(s->emission + 3 * surfel);
 }
 
-/* ways   one a record */
+/* ways   one a record; zeros for those that are not looked at */
 gw_status gw_emitted_ways_find(const gw_emitted_ways_task *task, gw_emitted_ways *ways,
 							   gw_error *error);
 

@@ -22,6 +22,10 @@
 /* Rays from all that emits: a power of two. */
 #define EMITTER_RAYS 4096u
 
+/* Records from which it is looked where emitted light is missing: of more, every so many-th. The
+ * means that they are asked for are known to a sixtieth of how far they differ. */
+#define EMITTED_RECORDS 4096u
+
 /* So many radii around a point lies the surface that its rays leave. */
 #define OWN_RADII 2.0f
 
@@ -51,6 +55,7 @@ typedef struct work {
 	double darkness;         /* what surface that is missing would send of that */
 	double *straight;        /* irradiance of the records from what emits */
 	gw_emitted_ways *emitted; /* of that; NULL: nothing emits */
+	size_t step;              /* every so many-th record has been looked at for that */
 	bool guessed;             /* gaps are holes, which may as well be windows */
 	bool sky_shines;          /* through some of them, so that one of them is */
 	/* Light of suns through gaps, reflected once, and its square: means over the points. */
@@ -183,9 +188,21 @@ static double darkness_at(const work *w, size_t record, double *chance)
 	return w->darkness * (double)e->lost;
 }
 
+/* Share of a sum over records that those have which are looked at. */
+static double share_looked_at(const work *w, const double *of_record)
+{
+	double all = 0.0, looked = 0.0;
+	for (size_t r = 0; r < w->task->on.records->count; r++) {
+		all += of_record[r];
+		looked += r % w->step == 0 ? of_record[r] : 0.0;
+	}
+	return looked > 0.0 ? looked / all : 1.0;
+}
+
 static void sum_records(const work *w, gw_gap_report *report, gw_error_estimate *estimate)
 {
 	double sky = 0.0, through = 0.0, black = 0.0, bright = 0.0, mean = 0.0, square = 0.0;
+	double means = share_looked_at(w, w->mean), squares = share_looked_at(w, w->square);
 	for (size_t r = 0; r < w->task->on.records->count; r++) {
 		const gw_gap_sight *g = &w->task->gap[r];
 		double share = fmin((double)g->share, SHARE_MOST), rest = beside_gaps(w, r);
@@ -205,8 +222,10 @@ static void sum_records(const work *w, gw_gap_report *report, gw_error_estimate 
 		through += w->mean[r] * gw_luminance(g->sky);
 		black += w->mean[r] * (rest - now);
 		bright += w->mean[r] * (full - now + (double)g->glow);
-		mean += w->mean[r] * off;
-		square += w->square[r] * (off * off - chance);
+		if (r % w->step > 0)
+			continue;
+		mean += w->mean[r] / means * off;
+		square += w->square[r] / squares * (off * off - chance);
 	}
 	double more = reflections(w) / w->radiance;
 	double missing = w->of_lamps / w->radiance * w->lost / (1.0 - w->lost);
@@ -376,8 +395,8 @@ static gw_status look_along_emitted(work *w, gw_error *error)
 {
 	const gw_gap_error_task *t = w->task;
 	size_t count = t->on.records->count;
-	const gw_emitted_ways_task task = { t->on,   t->surfels, t->space,
-										t->rays, t->discs,   t->options->threads };
+	const gw_emitted_ways_task task = { t->on,    t->surfels,          t->space, t->rays,
+										t->discs, t->options->threads, w->step };
 	float *first = gw_allocate_array(count, 4 * sizeof *first);
 	w->emitted = gw_allocate_array(count, sizeof *w->emitted);
 	if (!first || !w->emitted) {
@@ -410,6 +429,7 @@ static void find_missing(work *w)
 	}
 	w->of_emitters = arrives > 0.0 ? fmin(arrives / w->of_all, 1.0) : 0.0;
 	w->glow = straight > 0.0 ? glow / straight : 0.0;
+	seen /= share_looked_at(w, w->surface);
 	w->darkness = seen > 0.0 ? w->reflected * straight * lost / (1.0 - lost) / seen : 0.0;
 }
 
@@ -431,6 +451,7 @@ static gw_status follow_emitters(work *w, gw_error *error)
 			lost += loss_from(w, i, number);
 	}
 	w->lost_of_emitters = fmin(lost / EMITTER_RAYS, (double)SHARE_MOST);
+	w->step = t->on.records->count / EMITTED_RECORDS + 1;
 	GW_TRY(look_along_emitted(w, error));
 	find_missing(w);
 	return GW_OK;
@@ -477,7 +498,8 @@ gw_status gw_gap_error(const gw_gap_error_task *task, gw_gap_report *report,
 			   .sent = room + 3 * count,
 			   .straight = room + 4 * count,
 			   .surface = room + 5 * count,
-			   .guessed = task->space->scanners == 0 };
+			   .guessed = task->space->scanners == 0,
+			   .step = 1 };
 	for (size_t r = 0; r < count; r++)
 		w.sky_shines = w.sky_shines || task->gap[r].all > 0.0f;
 	gw_status status = gw_records_light(task->on.passes->gpu, task->on.records, w.sent, error);
