@@ -37,7 +37,7 @@ static bool is_one_of_several(void)
 }
 
 /* dlsym returns a pointer to data; ISO C has no cast from that to a function. */
-static gw_status load(gw_error *error)
+gw_status ranks_try(gw_error *error)
 {
 	static const char file[] = "libglowworm-mpi.so", purpose[] = "several processes by MPI need";
 	const void *address;
@@ -56,7 +56,7 @@ gw_status ranks_join(ranks *r, gw_error *error)
 	*r = (ranks){ .count = 1 };
 	if (!is_one_of_several())
 		return GW_OK;
-	GW_TRY(load(error));
+	GW_TRY(ranks_try(error));
 	if (!begin(&rank, &count)) {
 		end = NULL;
 		return gw_fail(error, GW_ERROR_INTERNAL, "MPI cannot be begun");

@@ -15,6 +15,9 @@ typedef struct ranks {
  * GW_ERROR_INTERNAL when the shared object that does it is not there, or MPI cannot be begun. */
 gw_status ranks_join(ranks *ranks, gw_error *error);
 
+/* Whether processes could meet: the shared object loads. GW_ERROR_INTERNAL when it does not. */
+gw_status ranks_try(gw_error *error);
+
 /* Waits until all ranks are here. It takes next to no processor time. GW_ERROR_CANCELLED. */
 gw_status ranks_wait(const ranks *ranks, gw_error *error);
 

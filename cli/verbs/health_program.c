@@ -3,6 +3,7 @@
  */
 #include "program/build_facts.h"
 #include "program/child_process.h"
+#include "program/ranks.h"
 #include "verbs/health.h"
 #include "panoramas/panorama.h"
 #include "grids/vdb_grids.h"
@@ -99,8 +100,9 @@ static void load_plugin(void *user)
 	trial->status = trial->load(&trial->error);
 }
 
+/* without: what it is where the plugin does not load. */
 static gw_status try_plugin(health *h, const char *name, gw_status (*load)(gw_error *),
-							const char *good, gw_error *error)
+							health_verdict without, const char *good, gw_error *error)
 {
 	plugin_trial *trial = child_memory_create(sizeof *trial);
 	if (!trial)
@@ -113,7 +115,7 @@ static gw_status try_plugin(health *h, const char *name, gw_status (*load)(gw_er
 	if (status == GW_OK && !end.finished)
 		health_add(h, HEALTH_BAD, name, "loading its plugin: %s", text);
 	else if (status == GW_OK && trial->status != GW_OK)
-		health_add(h, HEALTH_BAD, name, "%.300s", trial->error.text);
+		health_add(h, without, name, "%.300s", trial->error.text);
 	else if (status == GW_OK)
 		health_add(h, HEALTH_GOOD, name, "%s", good);
 	child_memory_destroy(trial, sizeof *trial);
@@ -126,8 +128,12 @@ gw_status health_of_libraries(health *h, gw_error *error)
 	health_begin(h, "libraries");
 	panorama_openexr_version(version);
 	health_judge_openexr(h, version);
-	GW_TRY(try_plugin(h, "OpenVDB", vdb_load, "libglowworm-vdb.so is there, for --vdb", error));
-	return try_plugin(h, "PROJ", coordinates_try,
+	GW_TRY(try_plugin(h, "OpenVDB", vdb_load, HEALTH_BAD, "libglowworm-vdb.so is there, for --vdb",
+					  error));
+	GW_TRY(try_plugin(h, "PROJ", coordinates_try, HEALTH_BAD,
 					  "libglowworm-proj.so is there, for files that name a coordinate system",
-					  error);
+					  error));
+	/* It is built only where Open MPI is. */
+	return try_plugin(h, "MPI", ranks_try, HEALTH_WARNING,
+					  "libglowworm-mpi.so is there, for several processes under mpirun", error);
 }
