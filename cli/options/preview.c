@@ -11,19 +11,14 @@ double preview_luminance(const float rgb[3])
 	return gw_relative_luminance((double)rgb[0], (double)rgb[1], (double)rgb[2]);
 }
 
-/* A histogram over the doublings of all floats. */
-#define BINS_A_DOUBLING 32
-#define LEAST_DOUBLING (-152)
-#define BINS ((130 - LEAST_DOUBLING) * BINS_A_DOUBLING)
-
 /* The upper end of the bin above which at most one in fifty lies. */
-static double find_highlight(const uint32_t *bin, size_t used)
+static double find_highlight(const preview_meter *m)
 {
-	size_t above = 0, most = used / 50;
-	int b = BINS - 1;
-	while (b > 0 && above + bin[b] <= most)
-		above += bin[b--];
-	return exp2((double)(b + 1) / BINS_A_DOUBLING + LEAST_DOUBLING);
+	uint64_t above = 0, most = m->used / 50;
+	int b = PREVIEW_METER_BINS - 1;
+	while (b > 0 && above + m->bin[b] <= most)
+		above += m->bin[b--];
+	return exp2((double)(b + 1) / PREVIEW_METER_FINE + PREVIEW_METER_LEAST);
 }
 
 /* Luminance of the light that a surface reflects. */
@@ -39,29 +34,46 @@ static double reflected(const float *radiance, const float *emission, size_t i)
 	return rest > 1e-5 * whole ? rest : 0.0;
 }
 
-double preview_exposure(const float *radiance, const float *emission, size_t count)
+void preview_meter_add(preview_meter *m, const float *radiance, const float *emission, size_t count)
 {
-	double sum = 0.0, logarithms = 0.0;
-	uint32_t bin[BINS] = { 0 };
-	size_t used = 0;
 	for (size_t i = 0; i < count; i++)
-		sum += reflected(radiance, emission, i);
-	double least = sum / (double)count * 1e-4;
-	for (size_t i = 0; i < count && sum > 0.0; i++) {
+		m->sum += reflected(radiance, emission, i);
+	m->count += count;
+}
+
+void preview_meter_look(preview_meter *m, const float *radiance, const float *emission,
+						size_t count)
+{
+	double least = m->sum / (double)m->count * 1e-4;
+	for (size_t i = 0; i < count && m->sum > 0.0; i++) {
 		double luminance = reflected(radiance, emission, i);
 		if (luminance > least) {
 			double doublings = log2(luminance);
 			/* What lies on a bin's upper end belongs to it. */
-			double b = ceil((doublings - LEAST_DOUBLING) * BINS_A_DOUBLING) - 1.0;
-			bin[(int)fmin(fmax(b, 0.0), BINS - 1.0)]++;
-			logarithms += doublings;
-			used++;
+			double b = ceil((doublings - PREVIEW_METER_LEAST) * PREVIEW_METER_FINE) - 1.0;
+			m->bin[(int)fmin(fmax(b, 0.0), PREVIEW_METER_BINS - 1.0)]++;
+			m->logarithms += doublings;
+			m->used++;
 		}
 	}
-	if (!used)
-		return emission ? preview_exposure(radiance, NULL, count) : 0.0;
-	return fmax(logarithms / (double)used - log2(METER),
-				log2(MID_GREY * find_highlight(bin, used) / METER));
+}
+
+double preview_meter_exposure(const preview_meter *m)
+{
+	if (m->used == 0)
+		return 0.0;
+	return fmax(m->logarithms / (double)m->used - log2(METER),
+				log2(MID_GREY * find_highlight(m) / METER));
+}
+
+double preview_exposure(const float *radiance, const float *emission, size_t count)
+{
+	preview_meter m = { .count = 0 };
+	preview_meter_add(&m, radiance, emission, count);
+	preview_meter_look(&m, radiance, emission, count);
+	if (m.used == 0 && emission)
+		return preview_exposure(radiance, NULL, count);
+	return preview_meter_exposure(&m);
 }
 
 double preview_scale(double exposure)

@@ -11,6 +11,11 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* Bins a doubling, and the first of the doublings that a meter has. */
+#define PREVIEW_METER_FINE 32
+#define PREVIEW_METER_LEAST (-152)
+#define PREVIEW_METER_BINS ((130 - PREVIEW_METER_LEAST) * PREVIEW_METER_FINE)
+
 /* Luminance of linear Rec.709 RGB (IEC 61966-2-1). */
 double preview_luminance(const float rgb[3]);
 
@@ -34,6 +39,20 @@ double preview_luminance(const float rgb[3]);
  *   emission  3 * count, of that what they make themselves, or NULL; bad values count as 0
  */
 double preview_exposure(const float *radiance, const float *emission, size_t count);
+
+/* The same where points come in parts, each of them twice: first all are added, then all are looked
+ * at. Begins as zeros. */
+typedef struct preview_meter {
+	uint64_t count, used; /* points that were added, and that count */
+	double sum, logarithms;
+	uint64_t bin[PREVIEW_METER_BINS]; /* of `used`, over the doublings of all floats */
+} preview_meter;
+
+void preview_meter_add(preview_meter *meter, const float *radiance, const float *emission,
+					   size_t count);
+void preview_meter_look(preview_meter *meter, const float *radiance, const float *emission,
+						size_t count);
+double preview_meter_exposure(const preview_meter *meter);
 
 /* What radiance is multiplied by before the tone map. */
 double preview_scale(double exposure);

@@ -23,12 +23,13 @@ typedef struct mix_lamp {
 	double factor[3];
 } mix_lamp;
 
-typedef struct mix {
+typedef struct work {
+	light_mix *whole;
 	scan *cloud;
 	mix_lamp *lamp; /* owned; count */
 	size_t count;
 	gw_error *error;
-} mix;
+} work;
 
 /* ---------------------------------------------------------------------------------- lamps */
 
@@ -46,7 +47,7 @@ static size_t find_channel(const scan *cloud, const char *name, size_t length, c
 	return SIZE_MAX;
 }
 
-static gw_status add_lamp(mix *m, const char *name, size_t length)
+static gw_status add_lamp(work *m, const char *name, size_t length)
 {
 	mix_lamp added = { .factor = { 1.0, 1.0, 1.0 } };
 	for (size_t k = 0; k < 3; k++) {
@@ -68,7 +69,7 @@ static gw_status add_lamp(mix *m, const char *name, size_t length)
 	return GW_OK;
 }
 
-static bool is_known(const mix *m, const char *name, size_t length)
+static bool is_known(const work *m, const char *name, size_t length)
 {
 	for (size_t i = 0; i < m->count; i++)
 		if (strlen(m->lamp[i].name) == length && strncmp(m->lamp[i].name, name, length) == 0)
@@ -76,7 +77,7 @@ static bool is_known(const mix *m, const char *name, size_t length)
 	return false;
 }
 
-static gw_status find_lamps(mix *m)
+static gw_status find_lamps(work *m)
 {
 	size_t head = sizeof prefix - 1;
 	for (size_t c = 0; c < m->cloud->column_count; c++) {
@@ -104,7 +105,7 @@ static void list_name(const char **names, size_t *count, const char *name, size_
 	names[(*count)++] = name;
 }
 
-static gw_status fail_unknown(const mix *m, const settings_gain *gain)
+static gw_status fail_unknown(const work *m, const settings_gain *gain)
 {
 	char hint[NEAREST_NAME_HINT], known[512] = "";
 	const char **names = calloc(m->count + 1, sizeof *names);
@@ -143,7 +144,7 @@ static bool is_meant(const mix_lamp *of, const settings_gain *gain)
 					   : strcmp(of->name + length + 1, gain->name) == 0;
 }
 
-static gw_status set_gains(mix *m, const settings_gain *gain, size_t count)
+static gw_status set_gains(work *m, const settings_gain *gain, size_t count)
 {
 	for (size_t i = 0; i < count; i++) {
 		bool found = false;
@@ -162,15 +163,14 @@ static gw_status set_gains(mix *m, const settings_gain *gain, size_t count)
 
 /* ----------------------------------------------------------------------------------- sums */
 
-static const scan_column *column_of(const mix *m, size_t index, size_t channel)
+static const scan_column *column_of(const work *m, size_t index, size_t channel)
 {
 	return &m->cloud->column[m->lamp[index].column[channel]];
 }
 
-/* The lamps as they came in must make the radiance that came in, if there is one. */
-static gw_status check_sum(const mix *m)
+/* What the lamps as they came in add up to, beside the radiance that came in, if there is one. */
+static void compare_sum(const work *m)
 {
-	double squares = 0.0, own = 0.0;
 	for (size_t k = 0; k < 3; k++) {
 		char name[] = "scalar_radiance_r";
 		name[sizeof name - 2] = "rgb"[k];
@@ -179,21 +179,25 @@ static gw_status check_sum(const mix *m)
 			double sum = 0.0, whole = scan_value(radiance, i);
 			for (size_t l = 0; l < m->count; l++)
 				sum += scan_value(column_of(m, l, k), i);
-			squares += (sum - whole) * (sum - whole);
-			own += whole * whole;
+			m->whole->squares += (sum - whole) * (sum - whole);
+			m->whole->own += whole * whole;
 		}
 	}
-	if (isfinite(squares) && sqrt(squares) <= LARGEST_DIFFERENCE * sqrt(own))
+}
+
+gw_status light_mix_check(const light_mix *mix, gw_error *error)
+{
+	if (isfinite(mix->squares) && sqrt(mix->squares) <= LARGEST_DIFFERENCE * sqrt(mix->own))
 		return GW_OK;
 	return gw_fail(
-		m->error, GW_ERROR_DATA,
+		error, GW_ERROR_DATA,
 		"the lamps do not add up to the radiance: they are off by %.3g %% of it, so some "
 		"light is missing or not finite; bake again",
-		100.0 * sqrt(squares / own));
+		100.0 * sqrt(mix->squares / mix->own));
 }
 
 /* Channel k of one lamp, stronger by its factor; adds it to the sum. */
-static gw_status scale_lamp(const mix *m, const mix_lamp *scaled, size_t k, double *sum)
+static gw_status scale_lamp(const work *m, const mix_lamp *scaled, size_t k, double *sum)
 {
 	scan_column *column = &m->cloud->column[scaled->column[k]];
 	size_t count = m->cloud->count;
@@ -212,7 +216,7 @@ static gw_status scale_lamp(const mix *m, const mix_lamp *scaled, size_t k, doub
 }
 
 /* Scales channel k of all lamps and adds them up. */
-static gw_status sum_channel(const mix *m, size_t k, float *radiance)
+static gw_status sum_channel(const work *m, size_t k, float *radiance)
 {
 	gw_status status = GW_OK;
 	double *sum = calloc(m->cloud->count + 1, sizeof *sum);
@@ -223,14 +227,15 @@ static gw_status sum_channel(const mix *m, size_t k, float *radiance)
 	for (size_t i = 0; i < m->cloud->count && status == GW_OK; i++) {
 		radiance[3 * i + k] = (float)sum[i];
 		if (!isfinite(radiance[3 * i + k]))
-			status = gw_fail(m->error, GW_ERROR_DATA,
-							 "the sum of the lamps is not finite at place %zu", i);
+			status =
+				gw_fail(m->error, GW_ERROR_DATA, "the sum of the lamps is not finite at place %llu",
+						(unsigned long long)(m->whole->points + i));
 	}
 	free(sum);
 	return status;
 }
 
-static gw_status put_floats(const mix *m, const char *name, const float *values, size_t stride)
+static gw_status put_floats(const work *m, const char *name, const float *values, size_t stride)
 {
 	scan_column *column = scan_find(m->cloud, name);
 	if (column && column->type != SCAN_FLOAT32) {
@@ -246,7 +251,7 @@ static gw_status put_floats(const mix *m, const char *name, const float *values,
 	return GW_OK;
 }
 
-static gw_status put_radiance(const mix *m, const float *radiance)
+static gw_status put_radiance(const work *m, const float *radiance)
 {
 	float *luminance = reallocarray(NULL, m->cloud->count + 1, sizeof *luminance);
 	if (!luminance)
@@ -263,24 +268,25 @@ static gw_status put_radiance(const mix *m, const float *radiance)
 	return status;
 }
 
-static gw_status apply(mix *m, const settings_gain *gain, size_t gain_count, float *radiance)
+static gw_status apply(work *m, float *radiance)
 {
 	GW_TRY(find_lamps(m));
-	GW_TRY(set_gains(m, gain, gain_count));
-	GW_TRY(check_sum(m));
+	GW_TRY(set_gains(m, m->whole->gain, m->whole->gain_count));
+	compare_sum(m);
+	if (!isfinite(m->whole->squares))
+		return light_mix_check(m->whole, m->error);
 	for (size_t k = 0; k < 3; k++)
 		GW_TRY(sum_channel(m, k, radiance));
 	return put_radiance(m, radiance);
 }
 
-gw_status light_mix_apply(scan *cloud, const settings_gain *gain, size_t gain_count,
-						  float **radiance, size_t *removed, gw_error *error)
+gw_status light_mix_apply(light_mix *whole, scan *cloud, float **radiance, gw_error *error)
 {
-	mix m = { .cloud = cloud, .error = error };
-	*removed = bake_columns_remove(cloud, BAKE_COLUMNS_OF_LIGHT);
+	work m = { .whole = whole, .cloud = cloud, .error = error };
+	whole->removed = bake_columns_remove(cloud, BAKE_COLUMNS_OF_LIGHT);
 	*radiance = calloc(cloud->count ? cloud->count : 1, 3 * sizeof **radiance);
 	gw_status status =
-		*radiance ? apply(&m, gain, gain_count, *radiance)
+		*radiance ? apply(&m, *radiance)
 				  : gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu points", cloud->count);
 	for (size_t i = 0; i < m.count; i++)
 		free(m.lamp[i].name);
@@ -289,5 +295,6 @@ gw_status light_mix_apply(scan *cloud, const settings_gain *gain, size_t gain_co
 		free(*radiance);
 		*radiance = NULL;
 	}
+	whole->points += cloud->count;
 	return status;
 }

@@ -13,19 +13,31 @@
 #include "points/scan.h"
 #include "options/settings.h"
 
+/* A mix: of a cloud, or of its parts one after the other. */
+typedef struct light_mix {
+	const settings_gain *gain; /* gain_count of them; two for one lamp multiply */
+	size_t gain_count;
+	size_t removed;      /* columns of the last part that were left out */
+	uint64_t points;     /* of all parts so far */
+	double own, squares; /* sums over these: radiance that came in, and by how much the sum of the
+							lamps is off it, both squared */
+} light_mix;
+
 /*
  * Multiplies the columns of the lamps by their gains (1 where none is given) and replaces
  * scalar_radiance_* and quality by their sum. Columns that it would make wrong (those of direct
  * and indirect light, irradiance, illuminance, error) are removed.
  *
+ *   mix       with its gains set, and zeros before the first part
  *   cloud     changed; on failure half of it may be
- *   gain      gain_count of them; two for one lamp multiply
  *   radiance  receives 3 * count values, to be freed by the caller; NULL on failure
- *   removed   receives how many columns were removed
  *   error     GW_ERROR_USAGE for a lamp that the cloud does not have, GW_ERROR_DATA when it has
- *             none, or when they are not finite or do not add up to its radiance
+ *             none, or when they are not finite
  */
-gw_status light_mix_apply(scan *cloud, const settings_gain *gain, size_t gain_count,
-						  float **radiance, size_t *removed, gw_error *error);
+gw_status light_mix_apply(light_mix *mix, scan *cloud, float **radiance, gw_error *error);
+
+/* After the last part: GW_ERROR_DATA when the lamps as they came in do not make the radiance that
+ * came in, if there is one. */
+gw_status light_mix_check(const light_mix *mix, gw_error *error);
 
 #endif

@@ -1,29 +1,49 @@
 #include "verbs/verbs.h"
 #include "scene/file_roles.h"
 #include "scene/stream_roles.h"
+#include "program/signals.h"
 #include "result/light_mix.h"
 #include "scene/loaded_scene.h"
 #include "files/number_text.h"
 #include "files/output_file.h"
 #include "options/output_name.h"
 #include "options/preview.h"
+#include "options/progress.h"
 #include "points/scan_color.h"
+#include "table/format_parts.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+
+/* Points that are mixed at once where the input can be read in parts: a fine grain of progress, and
+ * next to no memory. */
+#define PART_POINTS ((size_t)1 << 18)
 
 /* All that lives as long as one mix. */
 typedef struct mixing {
 	const settings *settings;
 	const format *format;
 	output_file *output;
-	scan cloud;
-	float *radiance;
-	size_t removed; /* columns that would have become wrong */
+	format_parts parts;
+	light_mix mix;
+	preview_meter meter;
+	double exposure;         /* of the preview */
+	unsigned passed, passes; /* how often all parts were read, and will be */
+	progress progress;
 	gw_error *error;
 } mixing;
+
+/* A cloud, or a part of one, and its light. */
+typedef struct mixed_part {
+	scan cloud;
+	float *radiance; /* 3 * cloud.count, after mixing */
+} mixed_part;
+
+/* What is done with a part that is mixed. */
+typedef gw_status mix_use(mixing *m, mixed_part *part);
 
 static gw_status check(mixing *m)
 {
@@ -43,49 +63,55 @@ static gw_status check(mixing *m)
 	return output_name_format(s->output, s->output_format, &m->format, m->error);
 }
 
+/* ------------------------------------------------------------------------------------- preview */
+
 /* Colours that are the surface's own stay; those of a bake are a preview of its light. */
-static bool wants_preview(const mixing *m)
+static bool wants_preview(const mixing *m, const scan *cloud)
 {
-	return m->settings->colors == 0 &&
-		   (scan_find(&m->cloud, "albedo_r") || !scan_find(&m->cloud, "red"));
+	return m->settings->colors == 0 && (scan_find(cloud, "albedo_r") || !scan_find(cloud, "red"));
 }
 
 /* One column of the preview, of bytes. */
-static uint8_t *find_color(mixing *m, const char *name)
+static uint8_t *find_color(const mixing *m, scan *cloud, const char *name)
 {
-	scan_column *column = scan_find(&m->cloud, name);
+	scan_column *column = scan_find(cloud, name);
 	if (column && column->type != SCAN_UINT8) {
-		scan_remove_column(&m->cloud, name);
+		scan_remove_column(cloud, name);
 		column = NULL;
 	}
 	if (!column)
-		column = scan_add_column(&m->cloud, name, SCAN_UINT8, m->error);
+		column = scan_add_column(cloud, name, SCAN_UINT8, m->error);
 	return column ? column->data : NULL;
 }
 
-static gw_status make_preview(mixing *m)
+static gw_status make_preview(const mixing *m, mixed_part *part)
 {
-	const settings *s = m->settings;
-	double exposure = isnan(s->exposure) ? preview_exposure(m->radiance, NULL, m->cloud.count)
-										 : (double)s->exposure;
-	double scale = preview_scale(exposure);
+	double scale = preview_scale(m->exposure);
 	uint8_t *data[3];
 	for (int k = 0; k < 3; k++) {
-		data[k] = find_color(m, scan_color_names[k]);
+		data[k] = find_color(m, &part->cloud, scan_color_names[k]);
 		if (!data[k])
 			return GW_ERROR_MEMORY;
 	}
-	for (size_t i = 0; i < m->cloud.count; i++) {
+	for (size_t i = 0; i < part->cloud.count; i++) {
 		uint8_t rgb[3];
-		preview_color(m->radiance + 3 * i, scale, rgb);
+		preview_color(part->radiance + 3 * i, scale, rgb);
 		for (int k = 0; k < 3; k++)
 			data[k][i] = rgb[k];
 	}
 	char text[128], number[NUMBER_TEXT];
-	number_print_float(number, (float)exposure);
+	number_print_float(number, (float)m->exposure);
 	snprintf(text, sizeof text, "glowworm preview of the mix: EV %s", number);
-	return scan_add_comment(&m->cloud, text, m->error);
+	return scan_add_comment(&part->cloud, text, m->error);
 }
+
+/* Whether the light of all points has to be known before the first can be written. */
+static bool meters(const mixing *m, const scan *cloud)
+{
+	return wants_preview(m, cloud) && isnan(m->settings->exposure);
+}
+
+/* -------------------------------------------------------------------------------------- parts */
 
 /* What the bake said of its preview and its error is not so any more. */
 static void drop_comments(scan *cloud)
@@ -105,54 +131,197 @@ static void drop_comments(scan *cloud)
 }
 
 /* The header says how the light was changed, after all that was done before. */
-static gw_status add_command(mixing *m)
+static gw_status add_command(const mixing *m, scan *cloud)
 {
 	char *text;
 	if (asprintf(&text, "glowworm mixed: %s", m->settings->command) < 0)
 		return gw_fail(m->error, GW_ERROR_MEMORY, "no memory for a comment line");
-	gw_status status = scan_add_comment(&m->cloud, text, m->error);
+	gw_status status = scan_add_comment(cloud, text, m->error);
 	free(text);
 	return status;
 }
 
-static gw_status mix_cloud(mixing *m)
+/* Says of which input it is that something is wrong with. */
+static gw_status name_input(const mixing *m, gw_status status, const gw_error *reason)
+{
+	const char *name = loaded_scene_input_name(m->settings->input[0].path);
+	return status == GW_OK ? GW_OK : gw_fail(m->error, status, "%s: %.900s", name, reason->text);
+}
+
+static gw_status mix_part(mixing *m, mixed_part *part)
+{
+	gw_error reason = { 0 };
+	gw_status status = light_mix_apply(&m->mix, &part->cloud, &part->radiance, &reason);
+	return name_input(m, status, &reason);
+}
+
+static gw_status check_mix(const mixing *m)
+{
+	gw_error reason = { 0 };
+	gw_status status = light_mix_check(&m->mix, &reason);
+	return name_input(m, status, &reason);
+}
+
+/* To be done when the exposure is known. */
+static gw_status finish_part(const mixing *m, mixed_part *part)
+{
+	drop_comments(&part->cloud);
+	GW_TRY(add_command(m, &part->cloud));
+	return wants_preview(m, &part->cloud) ? make_preview(m, part) : GW_OK;
+}
+
+static void clear_part(mixed_part *part)
+{
+	scan_clear(&part->cloud);
+	free(part->radiance);
+}
+
+/* ----------------------------------------------------------------------------------- one by one */
+
+/* Whether the input can be read more than once, in parts, and the output written so. Formats that
+ * tell by all points which columns there are would have to be read once more. */
+static gw_status open_parts(mixing *m, bool *parted)
 {
 	const settings *s = m->settings;
-	gw_error reason = { 0 };
-	const char *name = loaded_scene_input_name(s->input[0].path);
-	GW_TRY(format_read(s->input[0].path, s->format, &m->cloud, m->error));
-	gw_status status =
-		light_mix_apply(&m->cloud, s->gain, s->gain_count, &m->radiance, &m->removed, &reason);
-	if (status != GW_OK)
-		return gw_fail(m->error, status, "%s: %.900s", name, reason.text);
-	if (m->removed > 0 && !s->quiet)
-		fprintf(stderr,
-				"glowworm: note: columns that do not say which lamp their light comes from are "
-				"left out: %zu\n",
-				m->removed);
-	drop_comments(&m->cloud);
-	status = add_command(m);
-	if (status == GW_OK && wants_preview(m))
-		status = make_preview(m);
+	const format_options options = { s->format, NULL, s->bake.threads };
+	const char *path = s->input[0].path;
+	struct stat info;
+	*parted = false;
+	if (!m->format->write_head || strcmp(path, "-") == 0 || stat(path, &info) != 0 ||
+		!S_ISREG(info.st_mode) || info.st_size == 0)
+		return GW_OK;
+	GW_TRY(format_parts_open(path, &options, &m->parts, m->error));
+	*parted = m->parts.found && !m->parts.found->settle_rows;
+	return GW_OK;
+}
+
+static gw_status use_part(mixing *m, uint64_t first, size_t count, mix_use *use)
+{
+	mixed_part part = { .radiance = NULL };
+	gw_status status = format_parts_read(&m->parts, first, count, &part.cloud, m->error);
+	if (status == GW_OK)
+		status = mix_part(m, &part);
+	if (status == GW_OK)
+		status = use(m, &part);
+	clear_part(&part);
+	return status == GW_OK ? signals_check(m->error) : status;
+}
+
+/* Mixes part after part. */
+static gw_status use_parts(mixing *m, mix_use *use)
+{
+	uint64_t count = m->parts.count;
+	m->mix.points = 0;
+	m->mix.own = m->mix.squares = 0.0;
+	for (uint64_t first = 0; first < count; first += PART_POINTS) {
+		double done = (double)first / (double)count;
+		progress_show(&m->progress, "mix", (m->passed + done) / m->passes);
+		GW_TRY(use_part(m, first, PART_POINTS, use));
+	}
+	m->passed++;
+	return check_mix(m);
+}
+
+static gw_status add_light(mixing *m, mixed_part *part)
+{
+	preview_meter_add(&m->meter, part->radiance, NULL, part->cloud.count);
+	return GW_OK;
+}
+
+static gw_status look_at_light(mixing *m, mixed_part *part)
+{
+	preview_meter_look(&m->meter, part->radiance, NULL, part->cloud.count);
+	return GW_OK;
+}
+
+/* What goes before the points, for which there has to be room. */
+static gw_status begin_output(const mixing *m, const scan *cloud)
+{
+	const format_rows all = { .count = m->parts.count };
+	uint64_t row = m->format->row_bytes;
+	for (size_t c = 0; c < cloud->column_count && m->format->row_bytes == 0; c++)
+		row += m->format->text ? 2 : scan_type_size(cloud->column[c].type);
+	GW_TRY(output_file_check_room(m->settings->output, row * all.count, m->error));
+	return m->format->write_head(m->output, &all, cloud, m->error);
+}
+
+static gw_status write_part(mixing *m, mixed_part *part)
+{
+	bool first = m->mix.points == part->cloud.count;
+	GW_TRY(finish_part(m, part));
+	if (first)
+		GW_TRY(begin_output(m, &part->cloud));
+	return m->format->write_rows(m->output, &part->cloud, m->error);
+}
+
+/* Whether the first part asks for it. */
+static gw_status note_metering(mixing *m, mixed_part *part)
+{
+	m->exposure = meters(m, &part->cloud) ? NAN : (double)m->settings->exposure;
+	return GW_OK;
+}
+
+static gw_status mix_parts(mixing *m)
+{
+	GW_TRY(use_part(m, 0, 1, note_metering));
+	m->passes = isnan(m->exposure) ? 3 : 1;
+	if (isnan(m->exposure)) {
+		GW_TRY(use_parts(m, add_light));
+		GW_TRY(use_parts(m, look_at_light));
+		m->exposure = preview_meter_exposure(&m->meter);
+	}
+	return use_parts(m, write_part);
+}
+
+/* ----------------------------------------------------------------------------------- all at once
+ */
+
+static gw_status mix_whole(mixing *m)
+{
+	const settings *s = m->settings;
+	mixed_part all = { .radiance = NULL };
+	gw_status status = format_read(s->input[0].path, s->format, &all.cloud, m->error);
+	if (status == GW_OK)
+		status = mix_part(m, &all);
+	if (status == GW_OK)
+		status = check_mix(m);
+	if (status == GW_OK)
+		m->exposure = meters(m, &all.cloud) ? preview_exposure(all.radiance, NULL, all.cloud.count)
+											: (double)s->exposure;
+	if (status == GW_OK)
+		status = finish_part(m, &all);
+	if (status == GW_OK)
+		status = m->format->write(m->output, &all.cloud, m->error);
+	clear_part(&all);
 	return status;
 }
 
 static gw_status run(mixing *m)
 {
 	const settings *s = m->settings;
+	bool parted;
 	GW_TRY(check(m));
 	GW_TRY(output_file_create(&m->output, s->output, s->force, m->error));
-	GW_TRY(mix_cloud(m));
-	GW_TRY(m->format->write(m->output, &m->cloud, m->error));
+	GW_TRY(open_parts(m, &parted));
+	GW_TRY(parted ? mix_parts(m) : mix_whole(m));
+	progress_clear(&m->progress);
+	if (m->mix.removed > 0 && !s->quiet)
+		fprintf(stderr,
+				"glowworm: note: columns that do not say which lamp their light comes from are "
+				"left out: %zu\n",
+				m->mix.removed);
 	return output_file_commit(&m->output, m->error);
 }
 
 gw_status verb_mix(const settings *s, gw_error *error)
 {
-	mixing m = { .settings = s, .error = error };
+	mixing m = { .settings = s,
+				 .mix = { .gain = s->gain, .gain_count = s->gain_count },
+				 .progress = progress_start((settings_progress)s->progress, s->quiet),
+				 .error = error };
 	gw_status status = run(&m);
+	progress_end(&m.progress);
 	output_file_abandon(&m.output);
-	scan_clear(&m.cloud);
-	free(m.radiance);
+	format_parts_close(&m.parts);
 	return status;
 }
