@@ -322,7 +322,8 @@ typedef enum gw_effect_kind {
  * What of a bake does not depend on the light, as a block of bytes: the surface of the points, the
  * octree, and what the places see where light is gathered and where the error was estimated, and
  * what probes see (gw_probes_make). A second bake of the same points begins with it and only lights
- * them. The bytes are for the same version of the library, and stay as they are until gw_bake
+ * them; where its light is gathered less right than gathered_error asks for, it adds places. The
+ * bytes are for the same version of the library, and stay as they are until gw_bake
  * returns: where they begin at a page of memory, as a mapped file does, the software driver uses
  * them in place.
  *

@@ -55,11 +55,10 @@ typedef struct bake {
 
 	gw_scene scene;
 	gw_lighting light;
-	gw_record_density density; /* where records were added */
-	uint32_t first_round;      /* the one that placed the first of them */
-	double whole_seconds;      /* that a round would take that does all that this one built on */
-	bool crowded;              /* no more can be */
-	float least_spacing;       /* of a bake that has no target, leaf cells */
+	uint32_t first_round; /* the one that placed the first of them */
+	double whole_seconds; /* that a round would take that does all that this one built on */
+	bool crowded;         /* no more can be */
+	float least_spacing;  /* of a bake that has no target, leaf cells */
 } bake;
 
 /* Begins a stage and books it. All rounds after the first are booked as one. */
@@ -161,8 +160,8 @@ static gw_status foretell(bake *b, gw_error *error)
 static gw_status place_records(bake *b, gw_error *error)
 {
 	b->round_start = gw_seconds();
-	if (b->density.facet_spacing)
-		return gw_scene_add_records(&b->scene, &b->density, error);
+	if (b->scene.density.facet_spacing)
+		return gw_scene_add_records(&b->scene, error);
 	return gw_scene_place_records(&b->scene, error);
 }
 
@@ -283,10 +282,10 @@ static bool needs_records(const bake *b)
 	return b->light.plan.records;
 }
 
-/* A transport has records, whatever this light calls for. */
+/* A transport has records, whatever this light calls for; to these some may be added. */
 static bool needs_places(const bake *b)
 {
-	return !has_transport(b) &&
+	return (!has_transport(b) || b->refining) &&
 		   (b->light.plan.records || keeps_transport(b) || b->scene.options.volume ||
 			gw_options_occlusion(&b->scene.options));
 }
@@ -375,7 +374,6 @@ static void forget_seconds(bake *b)
 
 static void drop_records(bake *b)
 {
-	gw_record_density_clear(&b->density);
 	gw_lighting_drop_gathered(&b->light);
 	gw_scene_drop_records(&b->scene);
 	forget_seconds(b);
@@ -383,7 +381,6 @@ static void drop_records(bake *b)
 
 static void drop_octree(bake *b)
 {
-	gw_record_density_clear(&b->density);
 	gw_lighting_clear(&b->light);
 	gw_scene_drop_octree(&b->scene);
 	forget_seconds(b);
@@ -446,7 +443,7 @@ static gw_bake_options as_even(const bake *b)
 	gw_bake_options even = b->scene.options;
 	const gw_report *r = b->report;
 	even.record_spacing = r->record_spacing;
-	if (r->round_count > 1 && b->density.facet_spacing && r->records > 0)
+	if (r->round_count > 1 && b->scene.density.facet_spacing && r->records > 0)
 		even.record_spacing *=
 			(float)sqrt((double)r->round[b->first_round].records / (double)r->records);
 	return even;
@@ -458,7 +455,7 @@ static gw_status refine_records(bake *b, const gw_density_wish *wish, const char
 	double start = gw_seconds(), growth;
 	uint64_t before = b->report->records;
 	gw_bake_options even = as_even(b);
-	gw_status status = gw_record_density_refine(&b->light, wish, &b->density, &growth, error);
+	gw_status status = gw_record_density_refine(&b->light, wish, &growth, error);
 	if (status != GW_OK || growth < GROWTH_LEAST) {
 		b->crowded = true;
 		return status;
@@ -578,8 +575,8 @@ static gw_status refine(bake *b, gw_error *error)
 static bool has_few_records(const bake *b)
 {
 	const gw_bake_options *o = &b->scene.options;
-	return b->light.plan.records && !has_transport(b) && gw_options_few_records(o) &&
-		   o->gathered_error > 0.0f && b->report->error.points > 0 &&
+	return b->light.plan.records && gw_options_few_records(o) && o->gathered_error > 0.0f &&
+		   b->report->error.points > 0 &&
 		   b->scene.records.spacing > fmaxf(o->record_spacing, GW_RECORD_SPACING_LEAST);
 }
 
@@ -651,7 +648,7 @@ static void set_price(bake *b, const gw_bake_options *first, double ray)
 		.rays = b->scene.options.rays,
 		.records = (double)r->records,
 		.spacing = (double)r->record_spacing,
-		.refined = b->density.facet_spacing != NULL,
+		.refined = b->scene.density.facet_spacing != NULL,
 		.fixed_seconds = whole - round - gw_report_seconds(r, "refining"),
 		.round_seconds = fmax(round - ray * records * first->rays, 0.0),
 		.ray_seconds = ray,
@@ -716,7 +713,6 @@ static gw_status bake_in_units(const gw_scaled_scene *scaled, gw_bake_manner man
 							 .kept = options->lamps };
 	b.start = gw_seconds();
 	gw_status status = run(&b, error);
-	gw_record_density_clear(&b.density);
 	gw_lighting_clear(&b.light);
 	gw_scene_close(&b.scene);
 	if (status == GW_OK)

@@ -133,8 +133,37 @@ static void refine_surfels(const gw_read_back *rows, const density_work *w,
 	}
 }
 
-static gw_status begin(const gw_scene *s, gw_record_density *density, density_work *w,
-					   gw_error *error)
+/* The spacings of all records, where none of their own are known yet. */
+static void begin_spacings(gw_scene *s, size_t slots)
+{
+	const gw_region_needs *region = &s->region;
+	float spacing = region->facet_spacing ? region->spacing : s->records.spacing;
+	for (size_t i = 0; i < slots; i++)
+		s->density.facet_spacing[i] = region->facet_spacing ? region->facet_spacing[i] : spacing;
+	for (size_t i = 0; i < s->surfels.count; i++)
+		s->density.surfel_spacing[i] = spacing;
+}
+
+static bool make_density(gw_scene *s, size_t slots)
+{
+	gw_record_density *d = &s->density;
+	bool first = d->facet_spacing == NULL;
+	if (first) {
+		d->facet_spacing = gw_allocate_array(slots, sizeof(float));
+		d->surfel_spacing = gw_allocate_array(s->surfels.count, sizeof(float));
+	}
+	if (!d->facet_closer) {
+		d->facet_closer = gw_allocate_array(slots, sizeof(bool));
+		d->surfel_closer = gw_allocate_array(s->surfels.count, sizeof(bool));
+	}
+	if (!d->facet_spacing || !d->surfel_spacing || !d->facet_closer || !d->surfel_closer)
+		return false;
+	if (first)
+		begin_spacings(s, slots);
+	return true;
+}
+
+static gw_status begin(gw_scene *s, density_work *w, gw_error *error)
 {
 	*w = (density_work){ .records = s->records.count, .slots = 2 * (size_t)s->octree.leaf_count };
 	uint64_t bytes = 4 * GW_WEIGHTS * (uint64_t)s->records.row_count;
@@ -142,21 +171,8 @@ static gw_status begin(const gw_scene *s, gw_record_density *density, density_wo
 	w->mass = gw_allocate_zeros(w->records, sizeof *w->mass);
 	w->most = gw_allocate_array(w->records, sizeof *w->most);
 	w->factor = gw_allocate_array(w->records, sizeof *w->factor);
-	bool first = density->facet_spacing == NULL;
-	if (first) {
-		density->facet_spacing = gw_allocate_array(w->slots, sizeof(float));
-		density->surfel_spacing = gw_allocate_array(s->surfels.count, sizeof(float));
-		density->facet_closer = gw_allocate_array(w->slots, sizeof(bool));
-		density->surfel_closer = gw_allocate_array(s->surfels.count, sizeof(bool));
-	}
-	if (!w->light || !w->mass || !w->most || !w->factor || !density->facet_spacing ||
-		!density->surfel_spacing || !density->facet_closer || !density->surfel_closer)
+	if (!w->light || !w->mass || !w->most || !w->factor || !make_density(s, w->slots))
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory to refine %zu records", w->records);
-	float spacing = s->region.facet_spacing ? s->region.spacing : s->records.spacing;
-	for (size_t i = 0; i < w->slots && first; i++)
-		density->facet_spacing[i] = s->region.facet_spacing ? s->region.facet_spacing[i] : spacing;
-	for (size_t i = 0; i < s->surfels.count && first; i++)
-		density->surfel_spacing[i] = spacing;
 	GW_TRY(
 		gw_view_open(s->gpu, &s->records.facet_row, 4 * (uint64_t)w->slots, &w->facet_row, error));
 	GW_TRY(gw_view_open(s->gpu, &s->records.facet_record, bytes, &w->facet_record, error));
@@ -164,12 +180,13 @@ static gw_status begin(const gw_scene *s, gw_record_density *density, density_wo
 }
 
 gw_status gw_record_density_refine(const gw_lighting *lighting, const gw_density_wish *wish,
-								   gw_record_density *density, double *growth, gw_error *error)
+								   double *growth, gw_error *error)
 {
-	const gw_scene *s = lighting->scene;
+	gw_scene *s = lighting->scene;
+	gw_record_density *density = &s->density;
 	density_work w;
 	*growth = 1.0;
-	gw_status status = begin(s, density, &w, error);
+	gw_status status = begin(s, &w, error);
 	w.least = wish->least;
 	if (status == GW_OK)
 		status = gw_records_light(s->gpu, &s->records, w.light, error);
@@ -196,13 +213,4 @@ gw_status gw_record_density_refine(const gw_lighting *lighting, const gw_density
 	gw_view_close(&w.facet_record);
 	gw_view_close(&w.facet_weight);
 	return status;
-}
-
-void gw_record_density_clear(gw_record_density *density)
-{
-	free(density->facet_spacing);
-	free(density->surfel_spacing);
-	free(density->facet_closer);
-	free(density->surfel_closer);
-	*density = (gw_record_density){ 0 };
 }

@@ -32,14 +32,12 @@ double gw_density_factors(const double *mass, const float *most, size_t count,
 						  const gw_density_wish *wish, float *factor);
 
 /*
- * Finds where records of a lit scene are to stand closer.
- *   density   all NULL at first; else the one of the last time, which is refined further. To be
- *             freed with gw_record_density_clear, also on failure
- *   growth    receives by which factor the records become about as many; 1 when they stand as close
- *             as they may, or nothing is lit
+ * Finds where records of a lit scene are to stand closer, in its density, which is refined further
+ * where there is one.
+ *   growth   receives by which factor the records become about as many; 1 when they stand as close
+ *            as they may, or nothing is lit
  */
 gw_status gw_record_density_refine(const gw_lighting *lighting, const gw_density_wish *wish,
-								   gw_record_density *density, double *growth, gw_error *error);
-void gw_record_density_clear(gw_record_density *density);
+								   double *growth, gw_error *error);
 
 #endif

@@ -113,8 +113,9 @@ gw_status gw_scene_place_records(gw_scene *scene, gw_error *error)
 }
 
 /* Which records light what, where they have come closer. */
-static gw_status weigh_again(gw_scene *s, const gw_record_density *density, gw_error *error)
+static gw_status weigh_again(gw_scene *s, gw_error *error)
 {
+	const gw_record_density *density = &s->density;
 	const gw_record_context on = gw_scene_context(s, &s->records);
 	const gw_own_spacings facet = { density->facet_spacing, density->facet_closer,
 									2 * (size_t)s->octree.leaf_count };
@@ -134,13 +135,13 @@ static gw_status weigh_again(gw_scene *s, const gw_record_density *density, gw_e
 	return status;
 }
 
-gw_status gw_scene_add_records(gw_scene *scene, const gw_record_density *density, gw_error *error)
+gw_status gw_scene_add_records(gw_scene *scene, gw_error *error)
 {
 	const gw_record_context on = gw_scene_context(scene, &scene->records);
 	const gw_record_context further = gw_scene_context(scene, &scene->further);
 	uint32_t before = scene->records.count;
 	gw_scene_forget_further(scene);
-	GW_TRY(gw_records_add(&on, scene->options.seed, density->facet_spacing, error));
+	GW_TRY(gw_records_add(&on, scene->options.seed, scene->density.facet_spacing, error));
 	gw_scene_report_records(scene);
 	if (scene->records.count > before)
 		GW_TRY(gw_scene_list_further(scene, before, error));
@@ -148,7 +149,7 @@ gw_status gw_scene_add_records(gw_scene *scene, const gw_record_density *density
 		GW_TRY(gw_ray_gather_add(&further, &scene->rays, &scene->further_rays, error));
 	gw_scene_report_rays(scene);
 	GW_TRY(gw_ray_gather_look(&on, &scene->rays, error));
-	GW_TRY(weigh_again(scene, density, error));
+	GW_TRY(weigh_again(scene, error));
 	return scene->region.asked ? GW_OK : gw_scene_measure_turn(scene, error);
 }
 

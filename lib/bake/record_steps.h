@@ -6,21 +6,14 @@
 
 #include "bake/scene.h"
 
-/* Where records are to stand closer than the spacing with which they were placed, leaf cells. */
-typedef struct gw_record_density {
-	float *facet_spacing;               /* 2 * leaf_count */
-	float *surfel_spacing;              /* surfel count */
-	bool *facet_closer, *surfel_closer; /* likewise: whose spacing has become less */
-} gw_record_density;
-
 /* Places the records, finds what they see, and which of them light each facet and each surfel. */
 gw_status gw_scene_place_records(gw_scene *scene, gw_error *error);
 
 /*
- * Adds records where the density says, finds what they see, and which records light each facet and
- * each surfel then. What others saw stays. On failure the records are to be dropped.
+ * Adds records where scene->density says, finds what they see, and which records light each facet
+ * and each surfel then. What others saw stays. On failure the records are to be dropped.
  */
-gw_status gw_scene_add_records(gw_scene *scene, const gw_record_density *density, gw_error *error);
+gw_status gw_scene_add_records(gw_scene *scene, gw_error *error);
 
 /* Makes the work space, and reports, where all of these came from a transport (transport.h). */
 gw_status gw_scene_complete(gw_scene *scene, const gw_points *points, gw_error *error);

@@ -369,6 +369,15 @@ static void clear_region(gw_region_needs *region)
 	*region = (gw_region_needs){ 0 };
 }
 
+static void clear_density(gw_record_density *density)
+{
+	free(density->facet_spacing);
+	free(density->surfel_spacing);
+	free(density->facet_closer);
+	free(density->surfel_closer);
+	*density = (gw_record_density){ 0 };
+}
+
 void gw_scene_drop_records(gw_scene *scene)
 {
 	drop_region_records(&scene->region);
@@ -385,6 +394,7 @@ void gw_scene_drop_records(gw_scene *scene)
 	gw_buffer_destroy(scene->gpu, &scene->sampled);
 	gw_buffer_destroy(scene->gpu, &scene->sampled_moment);
 	gw_check_point_hits_clear(&scene->check_points);
+	clear_density(&scene->density);
 }
 
 void gw_scene_drop_traced(gw_scene *scene)

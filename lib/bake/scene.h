@@ -51,6 +51,15 @@ typedef struct gw_transport_identity {
 	uint64_t position, normal, albedo, opacity, scanner, stray, emission, area;
 } gw_transport_identity;
 
+/* Where records stand closer than the spacing with which they were placed, leaf cells, or are to.
+ * All NULL: nowhere. */
+typedef struct gw_record_density {
+	float *facet_spacing;               /* 2 * leaf_count */
+	float *surfel_spacing;              /* surfel count */
+	bool *facet_closer, *surfel_closer; /* likewise: whose spacing has become less; NULL where a
+										   transport brought the spacings */
+} gw_record_density;
+
 /* Whether a scene begins with it, and whether it is to be written. NULL: neither. */
 static inline bool gw_transport_is_read(const gw_transport *transport)
 {
@@ -80,8 +89,9 @@ struct gw_scene {
 	gw_octree octree;
 	gw_passes passes;
 	gw_records records;
-	gw_ray_gather rays;   /* hits that serve every bounce; of a few rays where others gather */
-	gw_cone_gather cones; /* empty but for GW_METHOD_CONES */
+	gw_record_density density; /* where some were added */
+	gw_ray_gather rays;        /* hits that serve every bounce; of a few rays where others gather */
+	gw_cone_gather cones;      /* empty but for GW_METHOD_CONES */
 	gw_propagation propagation; /* empty but for GW_METHOD_LPV */
 	gw_radiance_volume volume;  /* empty but for these two, as are: */
 	gw_volume_rows volume_rows; /* the cells that light each record */

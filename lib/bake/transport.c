@@ -21,7 +21,7 @@
 #include <string.h>
 
 #define MAGIC "glowworm transport\n"
-#define VERSION 21u
+#define VERSION 22u
 
 /* Blocks are read and checked in chunks, by all threads. */
 #define CHUNK_BYTES (UINT64_C(1) << 20)
@@ -407,6 +407,23 @@ static bool rows_fit(const gw_scene *scene, const gw_transport_numbers *n)
 	return true;
 }
 
+/* Spacings of records are such as refining makes. */
+static bool are_spacings(const gw_scene *scene, const float *spacing, size_t count)
+{
+	float most = scene->records.spacing, least = fminf(most, GW_RECORD_SPACING_LEAST);
+	for (size_t i = 0; spacing && i < count; i++)
+		if (!(spacing[i] >= least && spacing[i] <= most))
+			return false;
+	return true;
+}
+
+static bool density_fits(const gw_scene *scene)
+{
+	const gw_record_density *d = &scene->density;
+	return are_spacings(scene, d->facet_spacing, 2 * (size_t)scene->octree.leaf_count) &&
+		   are_spacings(scene, d->surfel_spacing, scene->surfels.count);
+}
+
 static gw_status read_blocks(gw_scene *scene, const gw_transport *t, const head *h, gw_error *error)
 {
 	gw_transport_block blocks[GW_TRANSPORT_BLOCKS];
@@ -430,7 +447,7 @@ static gw_status read_blocks(gw_scene *scene, const gw_transport *t, const head 
 	if (!fits)
 		return damaged(t, "this transport is damaged", error);
 	GW_TRY(take_blocks(scene, t, &all, error));
-	if (!tree_fits(scene, &all) || !rows_fit(scene, &h->numbers) ||
+	if (!tree_fits(scene, &all) || !rows_fit(scene, &h->numbers) || !density_fits(scene) ||
 		!gw_placed_probes_fit(&scene->probes))
 		return damaged(t, "this transport is damaged", error);
 	return GW_OK;

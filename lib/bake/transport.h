@@ -13,6 +13,9 @@
  * Head and blocks are filled up with zeros to multiples of GW_LENT_ALIGNMENT bytes, so that a
  * device that is the host can use the blocks where they lie, as in a file that is mapped.
  *
+ * Records are those that the bake which writes it had in the end: few, and more where its light
+ * asked for them (refine.h). One that begins with it may add others.
+ *
  * Probes are among them where some were placed (placed_probes.h).
  *
  * Every length follows from the head, so the whole is refused before anything is allocated when its

@@ -29,6 +29,7 @@
 #define MOMENTS 64u      /* of what emitters brought to the records */
 #define DOUBTED 128u     /* whether there is a surface, for the estimated error */
 #define FROM_ABOVE 256u  /* no block: seen from above alone, for the estimated error */
+#define ADDED 512u       /* records were, where these stand closer than others */
 
 /* What of discs an octree takes that is made from the surfels again, and what lamps do that shine
  * on large ones. */
@@ -79,7 +80,7 @@ gw_transport_numbers gw_transport_numbers_of(const gw_scene *scene)
 	n.optional = (s->shading_normal ? NOISY : 0) | (s->shading_normal_off ? OFF : 0) |
 				 (s->albedo_of_point ? POINTS_ALBEDO : 0) | (s->bend ? BENT : 0) | discs_of(scene) |
 				 (scene->sampled_moment.handle ? MOMENTS : 0) | (s->doubt ? DOUBTED : 0) |
-				 (s->seen_from_above ? FROM_ABOVE : 0);
+				 (s->seen_from_above ? FROM_ABOVE : 0) | (scene->density.facet_spacing ? ADDED : 0);
 	n.check_points = scene->check_points.count;
 	n.check_point_rays = scene->check_points.rays;
 	n.check_points_lit = scene->check_points.emitted != NULL;
@@ -110,7 +111,7 @@ bool gw_transport_numbers_fit(const gw_transport_numbers *n)
 		   n->emits <= 2 && n->looked <= 1 && n->portals <= GW_PORTALS_MOST &&
 		   n->opened == (n->portals > 0) &&
 		   n->optional <= (NOISY | OFF | POINTS_ALBEDO | CUT | BENT | CREASED | MOMENTS | DOUBTED |
-						   FROM_ABOVE) &&
+						   FROM_ABOVE | ADDED) &&
 		   (n->tree_discs == 0 || n->optional & CUT) &&
 		   (!(n->optional & MOMENTS) || n->light_samples > 0) && n->check_points <= n->surfels &&
 		   n->check_point_rays <= 4096 &&
@@ -316,6 +317,10 @@ static void list_records(list *l, gw_scene *scene, const gw_transport_numbers *n
 	index_below(host(l, "records of surfels", &scene->read_back.record, 4 * (uint64_t)n->entries),
 				0, n->records, UINT32_MAX, 1);
 	host(l, "weights of surfels", &scene->read_back.weight, 4 * (uint64_t)n->entries);
+	if (n->optional & ADDED) {
+		host(l, "spacing of facets", &scene->density.facet_spacing, 4 * slots);
+		host(l, "spacing of surfels", &scene->density.surfel_spacing, 4 * n->surfels);
+	}
 }
 
 static void list_check_points(list *l, gw_scene *scene, const gw_transport_numbers *n)

@@ -127,9 +127,9 @@ typedef struct fixture {
 	gw_bake_result *first;
 } fixture;
 
-static void set_up(fixture *f, void (*make)(scene *s), gw_method method)
+static void set_up_with(fixture *f, void (*make)(scene *s), const gw_bake_options *own)
 {
-	*f = (fixture){ .options = options_of(method), .kept = { .limit = SIZE_MAX } };
+	*f = (fixture){ .options = *own, .kept = { .limit = SIZE_MAX } };
 	make_lights(f->lights);
 	make(&f->scene);
 	f->points = scene_points(&f->scene);
@@ -137,6 +137,12 @@ static void set_up(fixture *f, void (*make)(scene *s), gw_method method)
 	const gw_transport transport = { .name = "kept", .write = scene_keep_bytes, .user = &f->kept };
 	options.transport = &transport;
 	f->first = scene_bake(&f->points, f->lights, LIGHTS, &options);
+}
+
+static void set_up(fixture *f, void (*make)(scene *s), gw_method method)
+{
+	const gw_bake_options options = options_of(method);
+	set_up_with(f, make, &options);
 }
 
 static void tear_down(fixture *f)
@@ -254,6 +260,42 @@ static void other_emission(void **state)
 	gw_bake_result_destroy(&fresh);
 	gw_bake_result_destroy(&again);
 	free(emission);
+	tear_down(&f);
+}
+
+/* Few records, to which the next light adds some: as if all had begun with it; and the transport
+ * that has these, too, needs none more. */
+static void records_are_added(void **state)
+{
+	(void)state;
+	fixture f;
+	gw_bake_options few = options_of(GW_METHOD_RAYS);
+	few.most_records = 100;
+	few.gathered_error = 1.0f; /* of anything */
+	set_up_with(&f, scene_make_small_hall, &few);
+	f.options.gathered_error = 1e-3f; /* which 16 rays a record never reach */
+	gw_bake_options options = f.options;
+	scene_bytes more = { .limit = SIZE_MAX };
+	const gw_transport transport = { .name = "kept",
+									 .data = f.kept.data,
+									 .length = f.kept.length,
+									 .write = scene_keep_bytes,
+									 .user = &more };
+	options.transport = &transport;
+	gw_bake_result *again = scene_bake(&f.points, f.lights, LIGHTS, &options);
+	gw_bake_result *fresh = scene_bake(&f.points, f.lights, LIGHTS, &f.options);
+	assert_true(again->report.records > 2 * f.first->report.records);
+	assert_int_equal(again->report.records, fresh->report.records);
+	assert_same_bytes(fresh, again);
+	f.options.gathered_error = few.gathered_error;
+	free(f.kept.data);
+	f.kept = more;
+	gw_bake_result *third = relight(&f, &f.points);
+	assert_int_equal(third->report.records, again->report.records);
+	assert_same_bytes(again, third);
+	gw_bake_result_destroy(&again);
+	gw_bake_result_destroy(&fresh);
+	gw_bake_result_destroy(&third);
 	tear_down(&f);
 }
 
@@ -606,6 +648,7 @@ int main(void)
 		cmocka_unit_test(lit_again_by_cones),
 		cmocka_unit_test(lit_again_on_large_discs),
 		cmocka_unit_test(other_emission),
+		cmocka_unit_test(records_are_added),
 		cmocka_unit_test(damaged_ones_are_refused),
 		cmocka_unit_test(others_are_refused),
 		cmocka_unit_test(writes_may_fail),

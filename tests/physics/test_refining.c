@@ -77,20 +77,20 @@ static void added_records_see_the_same(void **state)
 	prepare(&at_once, &report[0], &points, 0.0f);
 	prepare(&added, &report[1], &points, 4.0f);
 	uint32_t before = added.records.count;
-	gw_record_density density = {
+	added.density = (gw_record_density){
 		.facet_spacing = densest(2 * (size_t)added.octree.leaf_count),
 		.surfel_spacing = densest(added.surfels.count),
 		.facet_closer = calloc(2 * (size_t)added.octree.leaf_count, sizeof(bool)),
 		.surfel_closer = calloc(added.surfels.count, sizeof(bool)),
 	};
-	assert_non_null(density.facet_closer);
-	assert_non_null(density.surfel_closer);
+	assert_non_null(added.density.facet_closer);
+	assert_non_null(added.density.surfel_closer);
 	for (size_t i = 0; i < added.surfels.count; i++)
-		density.surfel_closer[i] = i % 2;
+		added.density.surfel_closer[i] = i % 2;
 	uint32_t *first = malloc((added.surfels.count + 1) * sizeof *first);
 	assert_non_null(first);
 	memcpy(first, added.read_back.first, (added.surfels.count + 1) * sizeof *first);
-	assert_ok(gw_scene_add_records(&added, &density, &error), &error);
+	assert_ok(gw_scene_add_records(&added, &error), &error);
 	assert_int_equal(added.records.count, at_once.records.count);
 	assert_true(before > 10 && added.records.count > 4 * before);
 	assert_int_equal(added.further.count, added.records.count - before);
@@ -121,7 +121,6 @@ static void added_records_see_the_same(void **state)
 	free(a);
 	free(b);
 	free(first);
-	gw_record_density_clear(&density);
 	gw_scene_close(&at_once);
 	gw_scene_close(&added);
 	scene_clear(&s);
