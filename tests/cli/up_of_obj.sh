@@ -19,14 +19,19 @@ up_in() { # input
 	glowworm render "$1" --size 16x16 -o picture.png --force 2>&1 |
 		grep -o -e 'nothing says .*' -e 'up [xyz]$'
 }
-echo '{"version": 1, "inputs": [{"file": "y.obj",
-	"matrix": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]}]}' >placed.json
-for input in y.obj z.obj placed.json; do
-	echo "$input:"
-	up_in "$input"
-done
+# Scenes of few points each; by itself a mesh is sampled with a million.
+scene() { # file, what else is said of it
+	echo "{\"version\": 1, \"inputs\": [{\"file\": \"$1\"$2}], \"bake\": {\"count\": 3000}}"
+}
+scene y.obj >y.json
+scene z.obj >z.json
+scene y.obj ', "matrix": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]' >placed.json
 glowworm sample y.obj --count 3000 -q -o y.ply
 glowworm convert y.ply - --output-format csv |
 	awk -F , 'NR > 1 { print "v", $1, $2, $3 }' >points.obj
+for input in y.json z.json placed.json points.obj; do
+	echo "$input:"
+	up_in "$input"
+done
 glowworm info y.ply | grep ' up'
 glowworm info points.obj | grep ' up'
