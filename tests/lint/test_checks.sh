@@ -62,21 +62,28 @@ expect_clean() { # check
 	fi
 }
 
-# Puts a fault into a clean tree and wants the check to fail and to say so.
-expect_fault() { # check words command...
-	local check=$1 words=$2
-	shift 2
+# Puts faults into a clean tree, each a pair of words and the command that makes it, and wants the
+# check to fail and to say all the words. A check takes a second, so that faults which have nothing
+# to do with each other are put in together, each into files of its own or words of its own.
+expect_faults() { # check (words command)...
+	local check=$1 i
+	shift
 	make_tree
-	eval "$*"
+	for ((i = 2; i <= $#; i += 2)); do
+		eval "${!i}"
+	done
 	if [ "$check" = symbols ]; then build_library; fi
 	if run_check "$check"; then
-		echo "check_$check.sh does not see: $*"
+		echo "check_$check.sh sees none of: $*"
 		bad=1
-	elif ! grep -qF -- "$words" "$scratch/found"; then
-		echo "check_$check.sh fails without saying '$words' after: $*"
+		return
+	fi
+	for ((i = 1; i <= $#; i += 2)); do
+		grep -qF -- "${!i}" "$scratch/found" && continue
+		echo "check_$check.sh does not say '${!i}' of: $*"
 		cat "$scratch/found"
 		bad=1
-	fi
+	done
 }
 
 make_tree
@@ -87,76 +94,79 @@ done
 build_program '' ''
 expect_clean hardening
 
-expect_fault readme 'does not name three.c' 'echo "int x;" >lib/three.c'
-expect_fault readme 'names one.c, which is not' 'rm lib/one.c'
-expect_fault readme 'there is no cli/README.md' 'echo "int x;" >cli/three.c'
-expect_fault readme 'begins with no comment' 'echo "echo 1" >tests/cli/prints.sh'
+expect_faults readme 'does not name three.c' 'echo "int x;" >lib/three.c' \
+	'names one.c, which is not' 'rm lib/one.c' \
+	'there is no cli/README.md' 'echo "int x;" >cli/four.c' \
+	'begins with no comment' 'echo "echo 1" >tests/cli/prints.sh'
 
-expect_fault layers 'includes two.h' 'echo "#include \"two.h\"" >>lib/one.c'
-expect_fault layers 'includes light/up.h' 'mkdir lib/base lib/light
-	echo "int x;" >lib/light/up.h; echo "#include \"light/up.h\"" >lib/base/low.c'
-expect_fault layers 'includes base/low.h' 'mkdir lib/base; echo "int x;" >lib/base/low.h
-	echo "#include \"base/low.h\"" >>formats/two.h'
-expect_fault layers 'lib/up: its source is in a circle' 'echo "#include \"up.h\"" >>lib/one.c
-	: >lib/up.h; echo "#include \"one.h\"" >lib/up.c'
-expect_fault layers 'lib/attic: is not in the list' \
-	'mkdir lib/attic; echo "int x;" >lib/attic/old.c'
-expect_fault layers 'includes four.h' \
-	'echo "int x;" >cli/four.h; echo "#include \"four.h\"" >>formats/two.h'
-expect_fault layers 'lib/one.c:8: prints' 'echo "void f(void) { printf(\"x\"); }" >>lib/one.c'
-expect_fault layers 'prints' 'echo "void f(void) { fprintf(stderr, \"x\"); }" >>lib/one.c'
-expect_fault layers 'prints' 'echo "void f(void) { exit(1); }" >>formats/two.h'
+expect_faults layers \
+	'lib/one.c: includes two.h' 'sed -i "2s/.*/#include \"two.h\"/" lib/one.c' \
+	'includes light/up.h' 'mkdir lib/base lib/light
+		echo "int x;" >lib/light/up.h; echo "#include \"light/up.h\"" >lib/base/low.c' \
+	'formats/two.h: includes base/deep.h' 'echo "int x;" >lib/base/deep.h
+		echo "#include \"base/deep.h\"" >>formats/two.h' \
+	'lib/attic: is not in the list' 'mkdir lib/attic; echo "int x;" >lib/attic/old.c' \
+	'formats/three.c: includes four.h' \
+	'echo "int x;" >cli/four.h; echo "#include \"four.h\"" >formats/three.c' \
+	'lib/one.c:8: prints' 'echo "void f(void) { printf(\"x\"); }" >>lib/one.c' \
+	'lib/one.c:9: prints' 'echo "void f(void) { fprintf(stderr, \"x\"); }" >>lib/one.c' \
+	'formats/two.h:5: prints' 'echo "void f(void) { exit(1); }" >>formats/two.h'
+expect_faults layers 'lib/up: its source is in a circle' \
+	'echo "#include \"up.h\"" >>lib/one.c; : >lib/up.h; echo "#include \"one.h\"" >lib/up.c'
 
-expect_fault style 'blanks at the end' 'printf "int x; \n" >>lib/one.h'
-expect_fault style 'no newline' 'printf "int x;" >>lib/one.h'
-expect_fault style '101 columns' 'printf "/* %95s */\n" x | tr " " - >>lib/one.h'
-expect_fault style 'indented with blanks' 'printf "int f(void)\n{\n    return 1;\n}\n" >>lib/one.c'
-expect_fault style 'not ASCII' 'printf "/* \303\251 */\n" >>lib/one.h'
-expect_fault style 'an invisible character' 'printf "a\342\200\213b\n" >>lib/README.md'
-expect_fault style 'a control character' 'printf "a\rb\n" >>lib/README.md'
-expect_fault style 'more than one file' 'cp lib/one.h formats/one.h'
-expect_fault style 'upper case' 'echo "int x;" >lib/Three.h'
-expect_fault style 'odd characters' 'echo "int x;" >"lib/a b.h"'
-expect_fault style 'a function of 103 lines' \
-	'{ echo "void f(void)"; echo "{"; yes "	;" | head -n 101; echo "}"; } >>lib/one.c'
-expect_fault style 'lib/one.c:8: a function of 7 parameters' \
+expect_faults style \
+	'lib/a.h:1: blanks at the end' 'printf "int x; \n" >lib/a.h' \
+	'lib/b.h: no newline' 'printf "int x;" >lib/b.h' \
+	'lib/c.h:1: 101 columns' 'printf "/* %95s */\n" x | tr " " - >lib/c.h' \
+	'lib/d.c:3: indented with blanks' 'printf "int f(void)\n{\n    return 1;\n}\n" >lib/d.c' \
+	'lib/e.h:1: not ASCII' 'printf "/* \303\251 */\n" >lib/e.h' \
+	'lib/README.md:3: an invisible character' 'printf "a\342\200\213b\n" >>lib/README.md' \
+	'lib/README.md:4: a control character' 'printf "a\rb\n" >>lib/README.md' \
+	'one.h: more than one file' 'cp lib/one.h formats/one.h' \
+	'lib/Three.h: a file name with upper case' 'echo "int x;" >lib/Three.h' \
+	'lib/a b.h: a file name with odd characters' 'echo "int x;" >"lib/a b.h"' \
+	'lib/f.c:2: a function of 103 lines' \
+	'{ echo "void f(void)"; echo "{"; yes "	;" | head -n 101; echo "}"; } >lib/f.c' \
+	'lib/one.c:8: a function of 7 parameters' \
 	'echo "int f(int a, int b, int (*c)(int, int), int d, int e, int g, int h);" >>lib/one.c'
 
-expect_fault format 'lib/one.c:8' 'echo "int  two(void);" >>lib/one.c'
+expect_faults format 'lib/one.c:8' 'echo "int  two(void);" >>lib/one.c'
 
-expect_fault symbols 'two: a global' 'echo "int two(void) { return 2; }" >>lib/one.c'
-expect_fault symbols 'no function' 'echo "static int x;" >lib/one.c'
-expect_fault symbols 'gw_two: the shared library shows it' \
-	'echo "int gw_two(void) { return 2; }" >>lib/one.c'
-expect_fault symbols 'gw_two: a public header declares it' 'echo "int gw_two(void);" >>lib/one.h'
-expect_fault symbols 'counter: a global' 'echo "int counter = 1;" >>lib/one.c'
+expect_faults symbols 'two: a global' 'echo "int two(void) { return 2; }" >>lib/one.c' \
+	'gw_three: the shared library shows it' 'echo "int gw_three(void) { return 3; }" >>lib/one.c' \
+	'gw_four: a public header declares it' 'echo "int gw_four(void);" >>lib/one.h' \
+	'counter: a global' 'echo "int counter = 1;" >>lib/one.c'
+expect_faults symbols 'no function' 'echo "static int x;" >lib/one.c'
 
-expect_fault hardening 'not position independent' 'build_program "" -no-pie'
-expect_fault hardening 'no read-only relocations' 'build_program "" -Wl,-z,norelro'
-expect_fault hardening 'binds lazily' 'build_program "" -Wl,-z,lazy'
-expect_fault hardening 'an executable stack' 'build_program "" -Wl,-z,execstack'
-for flag in -fstack-protector-strong -fstack-clash-protection -fcf-protection; do
-	expect_fault hardening "code without $flag" \
-		"whole=\$safe; safe=\${safe/$flag/}; build_program '' ''; safe=\$whole"
-done
-expect_fault hardening 'no guarded stacks' 'build_program -fno-stack-protector ""'
-expect_fault hardening 'calls no checked copies' 'build_program -D_FORTIFY_SOURCE=0 ""'
-expect_fault hardening 'less than -D_FORTIFY_SOURCE=3' \
-	'safe=${safe/=3/=2}; build_program "" ""; safe=${safe/=2/=3}'
-expect_fault hardening 'how it was compiled' 'build_program -g0 ""'
-expect_fault hardening 'loads libproj' 'build_program "" "-Wl,--no-as-needed -lproj"'
-expect_fault hardening 'is not there' 'rm -f build/glowworm'
+# Faults of linking, and of compiling; each has words of its own.
+expect_faults hardening 'not position independent' "flags='-no-pie'" \
+	'no read-only relocations' "flags+=' -Wl,-z,norelro'" \
+	'binds lazily' "flags+=' -Wl,-z,lazy'" \
+	'an executable stack' "flags+=' -Wl,-z,execstack'" \
+	'loads libproj' "build_program '' \"\$flags -Wl,--no-as-needed -lproj\""
+whole=$safe
+without=${safe/-fstack-protector-strong -fstack-clash-protection -fcf-protection/}
+expect_faults hardening 'code without -fstack-protector-strong' 'safe=$without' \
+	'code without -fstack-clash-protection' ":" \
+	'code without -fcf-protection' "build_program '' ''"
+safe=$whole
+expect_faults hardening 'no guarded stacks' ":" \
+	'calls no checked copies' ":" \
+	'less than -D_FORTIFY_SOURCE=3' "safe=\${whole/=3/=2}" \
+	'how it was compiled' "build_program '-fno-stack-protector -D_FORTIFY_SOURCE=0 -g0' ''"
+safe=$whole
+expect_faults hardening 'is not there' 'rm -f build/glowworm'
 
-expect_fault banned 'lib/one.c:8' 'echo "void f(char *a, char *b) { strcpy(a, b); }" >>lib/one.c'
-expect_fault banned 'banned' 'echo "int f(void) { return system(\"ls\"); }" >>cli/three.c'
-expect_fault banned 'a product as a size' \
+expect_faults banned 'lib/one.c:8' 'echo "void f(char *a, char *b) { strcpy(a, b); }" >>lib/one.c' \
+	'system(""); }   <- banned' 'echo "int f(void) { return system(\"ls\"); }" >>cli/three.c' \
+	'a product as a size' \
 	'echo "void *f(int a, int b) { return malloc(a * b); }" >>formats/three.c'
 
-expect_fault analysis 'Division by zero' 'echo "lib/one.c:6:10: warning: Division by zero" \
-	>build/analysis/lib/one.c.txt'
-expect_fault analysis 'lib/two.c: was not analysed' 'echo "int x;" >lib/two.c'
+expect_faults analysis 'Division by zero' 'echo "lib/one.c:6:10: warning: Division by zero" \
+	>build/analysis/lib/one.c.txt' \
+	'lib/two.c: was not analysed' 'echo "int x;" >lib/two.c'
 
-expect_fault scripts 'not executable' 'chmod -x tests/cli/run'
-expect_fault scripts 'unexpected' 'echo "if true; then" >>tests/cli/prints.sh'
+expect_faults scripts 'not executable' 'chmod -x tests/cli/run' \
+	'unexpected' 'echo "if true; then" >>tests/cli/prints.sh'
 
 [ "$bad" -eq 0 ]
