@@ -13,7 +13,7 @@ cat >box.scene.json <<'END'
              "path": [{"frame": 0, "position": [-0.6,-0.5,1]},
                       {"frame": 2, "position": [0.6,-0.5,1]},
                       {"frame": 3, "position": [-0.6,-0.5,1]}]}],
- "bake": {"count": 4000, "estimate_points": 0}}
+ "bake": {"count": 2000, "estimate_points": 0}}
 END
 bake() {
 	glowworm bake box.scene.json -q --exposure 0 "$@"
