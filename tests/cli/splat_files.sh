@@ -3,7 +3,7 @@
 # their quaternions have any length; of the ball no axis is the thinnest.
 glowworm info --devices >/dev/null 2>&1 || { echo "there is no Vulkan device"; exit 77; }
 
-# splats SCALES HAZE: 9600 of the walls, 1500 of the ball, 0.4 m, and of haze.
+# splats SCALES HAZE: 4800 of the walls, 1500 of the ball, 0.4 m, and of haze.
 splats() {
 	awk -v scales="$1" -v haze="$2" '
 	function splat(x, y, z, red, opacity, a, b, c, w, i, j, k) {
@@ -25,13 +25,13 @@ splats() {
 	}
 	BEGIN {
 		srand(1); h = 0.28209479177387814
-		print "ply\nformat ascii 1.0\nelement vertex " 11100 + haze
+		print "ply\nformat ascii 1.0\nelement vertex " 6300 + haze
 		n = split("x y z nx ny nz f_dc_0 f_dc_1 f_dc_2 f_rest_0 f_rest_1 f_rest_2" \
 			" opacity scale_0 scale_1" (scales == 3 ? " scale_2" : "") " rot_0 rot_1 rot_2 rot_3",
 			name, " ")
 		for (i = 1; i <= n; i++) print "property float " name[i]
 		print "end_header"
-		for (i = 0; i < 9600; i++) wall(i % 3, int(i / 3) % 2)
+		for (i = 0; i < 4800; i++) wall(i % 3, int(i / 3) % 2)
 		for (i = 0; i < 1500; i++) {
 			z = 2 * rand() - 1; angle = 6.2831853 * rand(); r = 0.4 * sqrt(1 - z * z)
 			splat(1.5 + r * cos(angle), 1.2 + 0.4 * z, 1.5 + r * sin(angle), 0.5, 0.8,
@@ -69,9 +69,9 @@ glowworm convert haze.ply haze.csv 2>notes
 grep -o "note: its .*" notes
 head -n 1 haze.csv
 # Red of a splat of 0.9 is 229 or 230 of 255; f_dc of 0 is the middle.
-awk -F, 'NR > 1 && NR < 9602 { print $4, $5, $6 }' haze.csv | sort | uniq -c
+awk -F, 'NR > 1 && NR < 4802 { print $4, $5, $6 }' haze.csv | sort | uniq -c
 # Each wall has its own axis, of no side; the ball has none.
-awk -F, 'NR > 1 && NR < 11102 {
+awk -F, 'NR > 1 && NR < 6302 {
 	for (k = 8; k <= 10; k++) c[k] += $k * $k > 0.9999; none += $8 == 0 && $9 == 0 && $10 == 0 }
 	END { print c[8], c[9], c[10], none }' haze.csv
 
@@ -83,7 +83,7 @@ turned haze.csv
 turned flat.csv
 grep -o '"kind": "haze", "points": [0-9]*' haze.json keep.json
 # Haze is lit and changes nothing of the rest.
-points() { awk -F, 'NR > 1 && NR < 11102' "$1"; }
+points() { awk -F, 'NR > 1 && NR < 6302' "$1"; }
 points haze.csv >a
 points clean.csv >b
 points keep.csv >c
