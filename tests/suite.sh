@@ -51,6 +51,13 @@ asan+=":allocator_release_to_os_interval_ms=-1"
 # was never set is wrong in every run. Sanitizers have an allocator of their own.
 export MALLOC_PERTURB_=${MALLOC_PERTURB_-165}
 
+# Half of the scripts are skipped where no Vulkan device is: asked once, not by each of them.
+for item in "$@"; do
+	if [ -z "${LOOK_FOR_DEVICE:-}" ] && "${item%:*}/glowworm" info --devices >/dev/null 2>&1; then
+		export LOOK_FOR_DEVICE=true
+	fi
+done
+
 # Programs that call a reader thousands of times keep what is freed below 64 MB: to give the end of
 # the heap back to the system after each call and take it again was two thirds of test_damaged_las.
 # The program itself runs as its users run it.

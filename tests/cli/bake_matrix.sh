@@ -1,6 +1,7 @@
 # A matrix in a scene file moves and turns points, and turns normals, which keep their length; a
 # point light straight above then gives I / h^2 * albedo / pi.
-glowworm info --devices >/dev/null 2>&1 || { echo "there is no Vulkan device"; exit 77; }
+${LOOK_FOR_DEVICE:-glowworm info --devices} >/dev/null 2>&1 ||
+	{ echo "there is no Vulkan device"; exit 77; }
 {
 	printf 'ply\nformat ascii 1.0\nelement vertex 25\n'
 	printf 'property float %s\n' x y z nx ny nz

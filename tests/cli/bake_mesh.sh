@@ -1,6 +1,7 @@
 # Meshes among the inputs of a scene: as dense as the scan, moved before they are sampled, with
 # light and shadow like everything else.
-glowworm info --devices >/dev/null 2>&1 || { echo "there is no Vulkan device"; exit 77; }
+${LOOK_FOR_DEVICE:-glowworm info --devices} >/dev/null 2>&1 ||
+	{ echo "there is no Vulkan device"; exit 77; }
 # A floor of 2 m, 41 x 41 points 5 cm apart: 400 points a square metre.
 {
 	printf 'ply\nformat ascii 1.0\nelement vertex 1681\n'

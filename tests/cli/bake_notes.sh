@@ -1,6 +1,7 @@
 # What is repaired or taken for granted is said: points without a place, missing colours; --quiet
 # says nothing. Points keep their number and order.
-glowworm info --devices >/dev/null 2>&1 || { echo "there is no Vulkan device"; exit 77; }
+${LOOK_FOR_DEVICE:-glowworm info --devices} >/dev/null 2>&1 ||
+	{ echo "there is no Vulkan device"; exit 77; }
 {
 	printf 'ply\nformat ascii 1.0\nelement vertex 12\n'
 	printf 'property float %s\n' x y z

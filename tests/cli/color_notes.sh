@@ -1,7 +1,8 @@
 # What was told of colours by their values alone is said, and what is too dark or too bright as a
 # whole, with the option that helps; and of a mesh that its vertices were taken. Intensities of two
 # inputs are on one scale.
-glowworm info --devices >/dev/null 2>&1 || { echo "there is no Vulkan device"; exit 77; }
+${LOOK_FOR_DEVICE:-glowworm info --devices} >/dev/null 2>&1 ||
+	{ echo "there is no Vulkan device"; exit 77; }
 cloud() { # R G B: a floor of 100 points, all of one colour but the first, which is full
 	echo 'x y z Rf Gf Bf'
 	awk -v rgb="$1 $1 $1" -v full="$2" 'BEGIN {

@@ -1,5 +1,6 @@
 # Effects that are chosen, forced and forbidden; what a plan says; and sentences for what can't be.
-glowworm info --devices >/dev/null 2>&1 || { echo "there is no Vulkan device"; exit 77; }
+${LOOK_FOR_DEVICE:-glowworm info --devices} >/dev/null 2>&1 ||
+	{ echo "there is no Vulkan device"; exit 77; }
 {
 	printf 'ply\nformat ascii 1.0\nelement vertex 800\nproperty float x\nproperty float y\n'
 	printf 'property float z\nproperty float nx\nproperty float ny\nproperty float nz\nend_header\n'

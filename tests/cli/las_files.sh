@@ -1,6 +1,7 @@
 # A georeferenced scan goes through LAS and back: lit as LAS, lit again from it, and written as PLY,
 # it has the coordinates that came in, bit for bit, and its other columns.
-glowworm info --devices >/dev/null 2>&1 || { echo "there is no Vulkan device"; exit 77; }
+${LOOK_FOR_DEVICE:-glowworm info --devices} >/dev/null 2>&1 ||
+	{ echo "there is no Vulkan device"; exit 77; }
 {
 	printf 'ply\nformat ascii 1.0\ncomment made by hand\nelement vertex 16\n'
 	printf 'property double %s\n' x y z

@@ -1,6 +1,7 @@
 # A room of 2 m, of 1e-20 m and of 1e9 m: info measures it, frames have the same light where lamps
 # are stronger by the square of the lengths, and a picture is made or refused with a sentence.
-glowworm info --devices >/dev/null 2>&1 || { echo "there is no Vulkan device"; exit 77; }
+${LOOK_FOR_DEVICE:-glowworm info --devices} >/dev/null 2>&1 ||
+	{ echo "there is no Vulkan device"; exit 77; }
 faces() { # half width, points a side, which way normals point, factor: a cube's six faces
 	awk -v w="$1" -v n="$2" -v out="$3" -v f="$4" 'BEGIN {
 		print "x y z nx ny nz"

@@ -2,7 +2,8 @@
 # same from both, and a mean that is 4 I / area = 0.7407 wherever the lamp is. It is off by no more
 # than the root mean square of what the points are off, which the last line says, and half a digit.
 # sanitize: no
-glowworm info --devices >/dev/null 2>&1 || { echo "there is no Vulkan device"; exit 77; }
+${LOOK_FOR_DEVICE:-glowworm info --devices} >/dev/null 2>&1 ||
+	{ echo "there is no Vulkan device"; exit 77; }
 relight_room >c.txt || exit
 for python in python3 /usr/bin/python3; do
 	"$python" -c 'import numpy' 2>/dev/null && break

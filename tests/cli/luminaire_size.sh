@@ -1,6 +1,7 @@
 # A luminaire that is as large as its file says: what is printed of it, read again, its soft shadow,
 # and sizes that do not go together.
-glowworm info --devices >/dev/null 2>&1 || { echo "there is no Vulkan device"; exit 77; }
+${LOOK_FOR_DEVICE:-glowworm info --devices} >/dev/null 2>&1 ||
+	{ echo "there is no Vulkan device"; exit 77; }
 write_lamp() { # width, length
 	printf 'IES:LM-63-2019\n[MANUFAC] none\nTILT=NONE\n1 1000 1 91 1 1 2 %s %s 0\n1 1 10\n' "$@"
 	seq -s ' ' 0 90

@@ -1,6 +1,7 @@
 # Luminaires by the files of their makers: what they come to on a floor, read again from a printed
 # scene, moved in frames, and files that are wrong.
-glowworm info --devices >/dev/null 2>&1 || { echo "there is no Vulkan device"; exit 77; }
+${LOOK_FOR_DEVICE:-glowworm info --devices} >/dev/null 2>&1 ||
+	{ echo "there is no Vulkan device"; exit 77; }
 {
 	printf 'ply\nformat ascii 1.0\nelement vertex 400\nproperty float x\nproperty float y\n'
 	printf 'property float z\nproperty float nx\nproperty float ny\nproperty float nz\nend_header\n'

@@ -1,5 +1,6 @@
 # Lamps in groups: columns that say so, dimmed by group and one by one; and groups in one column.
-glowworm info --devices >/dev/null 2>&1 || { echo "there is no Vulkan device"; exit 77; }
+${LOOK_FOR_DEVICE:-glowworm info --devices} >/dev/null 2>&1 ||
+	{ echo "there is no Vulkan device"; exit 77; }
 make_box --scene plane --points 2000 -o plane.ply
 cat >lamps.json <<'END'
 {"version": 1, "inputs": [{"file": "plane.ply"}], "lights": [

@@ -2,7 +2,8 @@
 # them dies the others end, and a later run goes on.
 # sanitize: no
 . "$SOURCE/tests/cli/shared_functions"
-glowworm info --devices >/dev/null 2>&1 || { echo "there is no Vulkan device"; exit 77; }
+${LOOK_FOR_DEVICE:-glowworm info --devices} >/dev/null 2>&1 ||
+	{ echo "there is no Vulkan device"; exit 77; }
 command -v mpirun >/dev/null || { echo "there is no mpirun (openmpi-bin)"; exit 77; }
 [ -e "$(dirname "$GLOWWORM")/libglowworm-mpi.so" ] ||
 	{ echo "built without Open MPI (libopenmpi-dev)"; exit 77; }

@@ -1,6 +1,7 @@
 # Probes lit again from a transport: the same files as without, in any light, and what does not fit
 # is refused before any output is touched.
-glowworm info --devices >/dev/null 2>&1 || { echo "there is no Vulkan device"; exit 77; }
+${LOOK_FOR_DEVICE:-glowworm info --devices} >/dev/null 2>&1 ||
+	{ echo "there is no Vulkan device"; exit 77; }
 make_box --scene rooms --points 3000 -o rooms.ply
 sky='sky radiance 0.3'
 place() {

@@ -1,6 +1,7 @@
 # Where scanners stood can be said, on the command line, in a list and in a scene file: a box
 # without normals, lit from outside, shows its inside to a scanner in its middle.
-glowworm info --devices >/dev/null 2>&1 || { echo "there is no Vulkan device"; exit 77; }
+${LOOK_FOR_DEVICE:-glowworm info --devices} >/dev/null 2>&1 ||
+	{ echo "there is no Vulkan device"; exit 77; }
 # Text without normals; the middle of the box is at 0.5,0.5,0.5.
 awk 'BEGIN { for (i = 0.5; i < 20; i++) for (j = 0.5; j < 20; j++) { a = i / 20; b = j / 20
 	print a, b, 0; print a, b, 1; print a, 0, b

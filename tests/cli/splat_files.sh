@@ -1,7 +1,8 @@
 # PLY files of Gaussian splats: a room with a ball in it, haze in its air, as trainers write them.
 # The walls' splats are flat and of either side, thin along x, y or z of their own by turns, and
 # their quaternions have any length; of the ball no axis is the thinnest.
-glowworm info --devices >/dev/null 2>&1 || { echo "there is no Vulkan device"; exit 77; }
+${LOOK_FOR_DEVICE:-glowworm info --devices} >/dev/null 2>&1 ||
+	{ echo "there is no Vulkan device"; exit 77; }
 
 # splats SCALES HAZE: 4800 of the walls, 1500 of the ball, 0.4 m, and of haze.
 splats() {

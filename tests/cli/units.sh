@@ -1,7 +1,8 @@
 # Coordinates in feet and in degrees: the light is that of the same place in metres, lamps stand in
 # the file's coordinates, and so do points and cameras that are written; degrees that nobody names
 # are refused.
-glowworm info --devices >/dev/null 2>&1 || { echo "there is no Vulkan device"; exit 77; }
+${LOOK_FOR_DEVICE:-glowworm info --devices} >/dev/null 2>&1 ||
+	{ echo "there is no Vulkan device"; exit 77; }
 floor() { # factors of x, y, z and what is added to x and y
 	echo 'x y z'
 	awk -v fx="$1" -v fy="$2" -v fz="$3" -v x0="$4" -v y0="$5" 'BEGIN {

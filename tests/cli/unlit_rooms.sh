@@ -2,7 +2,8 @@
 # shows its inside; a picture of it is taken from there. With that lamp nothing is said, nor where
 # the sky shines through a window, nor where a scanner stood inside. Points that all stand at one
 # place make no picture.
-glowworm info --devices >/dev/null 2>&1 || { echo "there is no Vulkan device"; exit 77; }
+${LOOK_FOR_DEVICE:-glowworm info --devices} >/dev/null 2>&1 ||
+	{ echo "there is no Vulkan device"; exit 77; }
 make_room() { # 8 x 4 x 3 m, a point every 0.1 m, a window as wide as $1 in a wall
 	awk -v half="$1" 'BEGIN {
 		for (i = 0.05; i < 8; i += 0.1)

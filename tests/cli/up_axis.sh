@@ -1,6 +1,7 @@
 # Which axis is up decides which way bare points of open ground face: --up reaches their normals,
 # from a scene file too.
-glowworm info --devices >/dev/null 2>&1 || { echo "there is no Vulkan device"; exit 77; }
+${LOOK_FOR_DEVICE:-glowworm info --devices} >/dev/null 2>&1 ||
+	{ echo "there is no Vulkan device"; exit 77; }
 # Ground with two hollows along y; y up makes hollows of them, y down makes hills.
 awk 'BEGIN {
 	print "x y z"

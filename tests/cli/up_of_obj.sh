@@ -1,7 +1,8 @@
 # OBJ files have y up by custom, which counts where their points lie as if it were so: a box that is
 # open to a side, with a block on its floor across y. Where nothing lies that way, or a matrix says
 # how a file lies, z is up, and of other formats a note asks.
-glowworm info --devices >/dev/null 2>&1 || { echo "there is no Vulkan device"; exit 77; }
+${LOOK_FOR_DEVICE:-glowworm info --devices} >/dev/null 2>&1 ||
+	{ echo "there is no Vulkan device"; exit 77; }
 box() { # which columns are y and z
 	awk -v y="$1" -v z="$2" '
 		function corner(x, up, back) { at[1] = x; at[2] = up; at[3] = back
