@@ -349,7 +349,7 @@ static void run(torture_case *c)
 	long calls = count_calls(c, &f), own = calls / f.shares + 1;
 	if (calls == 0 && is_owed(&f) && case_trial(c))
 		case_fail(c, f.row, "there is no such call: an output is not made safe");
-	long most = c->slice ? 6 : f.kind->most;
+	long most = c->slice ? 4 : f.kind->most;
 	for (long i = 0; i < own && i < most; i++) {
 		long n = own <= most ? i : case_pick(c, own);
 		long at = 1 + f.share + n * f.shares;

@@ -256,7 +256,7 @@ static void run(torture_case *c)
 
 static long count(bool slice)
 {
-	return slice ? 6 : 400;
+	return slice ? 4 : 400;
 }
 
 const torture_part options_part = { "options", "option lists with mutations", count, run };

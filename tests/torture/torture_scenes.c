@@ -210,7 +210,7 @@ static void run(torture_case *c)
 
 static long count(bool slice)
 {
-	return slice ? 6 : 400;
+	return slice ? 4 : 400;
 }
 
 const torture_part scenes_part = { "scenes", "scene files with mutations", count, run };
