@@ -292,10 +292,11 @@ gw_status gw_scene_build_octree(gw_scene *scene, gw_error *error)
 {
 	const gw_bake_options *o = &scene->options;
 	const gw_octree_task task = { &scene->surfels, scene->still, o->depth, o->leaf_spacing };
+	const bool geometry = o->voxels || gw_transport_is_written(o->transport);
 	GW_TRY(scene->keeps
 			   ? gw_octree_build_kept(scene->gpu, &task, &scene->kept_octree, &scene->octree, error)
 		   : o->depth == GW_DEPTH_AUTO
-			   ? gw_octree_build_spaced(scene->gpu, &scene->surfels, o->leaf_spacing,
+			   ? gw_octree_build_spaced(scene->gpu, &scene->surfels, o->leaf_spacing, geometry,
 										&scene->octree, error)
 			   : gw_octree_build(scene->gpu, &scene->surfels, o->depth, &scene->octree, error));
 	/* Octrees that keep what they can are all of one shape, but for large discs. */
@@ -309,7 +310,7 @@ gw_status gw_scene_build_octree(gw_scene *scene, gw_error *error)
 	scene->passes.threads = o->threads;
 	gw_scene_report_octree(scene);
 	/* Light does without what leaves are as voxels. */
-	if (!o->voxels && !gw_transport_is_written(o->transport))
+	if (!geometry)
 		gw_buffer_destroy(scene->gpu, &scene->octree.leaf_geometry);
 	if (o->method == GW_METHOD_CONES)
 		gw_report_count(

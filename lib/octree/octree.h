@@ -178,9 +178,10 @@ gw_status gw_octree_build(gw_gpu *gpu, const gw_surfels *surfels, uint32_t depth
  * Builds the octree of a cloud with leaves of a width, or as much wider as memory and the device's
  * limits ask for; then the octree says so.
  *   leaf_spacing  the width, in surfels->spacing
+ *   geometry      leaf_geometry is asked for; there is none otherwise
  */
 gw_status gw_octree_build_spaced(gw_gpu *gpu, const gw_surfels *surfels, float leaf_spacing,
-								 gw_octree *octree, gw_error *error);
+								 bool geometry, gw_octree *octree, gw_error *error);
 void gw_octree_destroy(gw_gpu *gpu, gw_octree *octree);
 
 /* Drops tile_neighbour and leaf_tile_neighbour: with compartments found only cones need them. */

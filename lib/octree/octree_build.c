@@ -107,8 +107,10 @@ static gw_status build(gw_octree_work *work, uint32_t depth, gw_error *error)
 		GW_TRY(make_kept_fragments(work, error));
 	else
 		GW_TRY(make_fragments(work, error));
+	gw_octree_forget_discs(work);
 	GW_TRY(gw_octree_make_tiles(work, error));
 	GW_TRY(gw_octree_reduce_leaves(work, error));
+	GW_TRY(gw_octree_upload_discs(work, error));
 	return gw_octree_plant_discs(work, error);
 }
 
@@ -151,7 +153,7 @@ static void give_back(gw_octree_work *work)
 	work->sort = (gw_radix_sort){ 0 };
 }
 
-/* Of `start` are set: gpu, surfels, octree, leaf_size, still and kept. */
+/* Of `start` are set: gpu, surfels, octree, geometry, leaf_size, still and kept. */
 static gw_status build_once(const gw_octree_work *start, uint32_t depth, gw_error *error)
 {
 	gw_octree_work work = *start;
@@ -202,11 +204,12 @@ gw_status gw_octree_without_tree(gw_gpu *gpu, const gw_octree_task *task, gw_oct
 }
 
 gw_status gw_octree_build_spaced(gw_gpu *gpu, const gw_surfels *surfels, float leaf_spacing,
-								 gw_octree *octree, gw_error *error)
+								 bool geometry, gw_octree *octree, gw_error *error)
 {
 	gw_octree_work start = { .gpu = gpu,
 							 .surfels = surfels,
 							 .octree = octree,
+							 .geometry = geometry,
 							 .leaf_size = (double)leaf_spacing * (double)surfels->spacing };
 	float wanted = 0.0f;
 	char why[GW_OCTREE_WHY] = "";
@@ -235,10 +238,12 @@ gw_status gw_octree_build(gw_gpu *gpu, const gw_surfels *surfels, uint32_t depth
 		return gw_fail(error, GW_ERROR_USAGE, "an octree of depth %u: it has to be 1 to %u", depth,
 					   GW_DEPTH_MAX);
 	if (depth == GW_DEPTH_AUTO)
-		return gw_octree_build_spaced(gpu, surfels, GW_LEAF_SPACING, octree, error);
+		return gw_octree_build_spaced(gpu, surfels, GW_LEAF_SPACING, true, octree, error);
 	if (surfels->count == 0 || surfels->count > GW_FRAGMENT_SURFEL)
 		return fail_count(surfels, error);
-	const gw_octree_work start = { .gpu = gpu, .surfels = surfels, .octree = octree };
+	const gw_octree_work start = {
+		.gpu = gpu, .surfels = surfels, .octree = octree, .geometry = true
+	};
 	return build_once(&start, depth, error);
 }
 
@@ -279,9 +284,12 @@ gw_status gw_octree_build_kept(gw_gpu *gpu, const gw_octree_task *task, gw_octre
 		*kept = gw_allocate_zeros(1, sizeof **kept);
 	if (*kept == NULL)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory to keep an octree's fragments");
-	gw_octree_work start = {
-		.gpu = gpu, .surfels = surfels, .octree = octree, .still = task->still, .kept = *kept
-	};
+	gw_octree_work start = { .gpu = gpu,
+							 .surfels = surfels,
+							 .octree = octree,
+							 .geometry = true,
+							 .still = task->still,
+							 .kept = *kept };
 	gw_status status = first ? build_first(&start, task->depth, task->leaf_spacing, error)
 							 : build_again(&start, error);
 	if (status == GW_OK) {

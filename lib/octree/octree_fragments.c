@@ -19,6 +19,7 @@
 #define SURFEL_ARRAYS 7
 #define PLACE_ARRAYS 5
 #define LIT_ARRAYS 2
+#define DISC_ARRAYS 4 /* those of discs come after what lamps light */
 
 /* Surfels converted at once. */
 #define UPLOAD_SURFELS 65536u
@@ -190,6 +191,17 @@ gw_status gw_octree_upload(gw_octree_work *work, uint32_t depth, gw_error *error
 gw_status gw_octree_upload_colours(gw_octree_work *work, gw_error *error)
 {
 	return upload_arrays(work, PLACE_ARRAYS, SURFEL_ARRAYS, error);
+}
+
+void gw_octree_forget_discs(gw_octree_work *work)
+{
+	gw_buffer_destroy(work->gpu, &work->octree->surfel_disc);
+	gw_buffer_destroy(work->gpu, &work->octree->surfel_clip);
+}
+
+gw_status gw_octree_upload_discs(gw_octree_work *work, gw_error *error)
+{
+	return upload_arrays(work, LIT_ARRAYS, DISC_ARRAYS, error);
 }
 
 gw_status gw_octree_upload_lit(gw_octree_work *work, uint32_t depth, gw_error *error)

@@ -26,26 +26,32 @@ static gw_status find_longest(gw_octree_work *work, uint32_t *longest, gw_error 
 	return GW_OK;
 }
 
-static gw_status create_leaves(gw_octree_work *work, gw_error *error)
+static gw_status create_seeds(gw_octree_work *work, gw_error *error)
+{
+	gw_octree *octree = work->octree;
+	uint64_t leaves = octree->leaf_count;
+	const gw_octree_part part[] = {
+		{ &octree->leaf_geometry, VK_FORMAT_R32G32B32A32_SFLOAT, 32 * leaves,
+		  "geometry of leaves" },
+		{ &work->seed, VK_FORMAT_R32G32B32A32_UINT, 16 * leaves, "seeds of facets" },
+	};
+	return gw_octree_buffers(work, part, sizeof part / sizeof *part, error);
+}
+
+static gw_status create_facets(gw_octree_work *work, gw_error *error)
 {
 	gw_octree *octree = work->octree;
 	uint64_t leaves = octree->leaf_count, cells = UINT64_C(1) << 3 * octree->directory_level;
 	VkFormat floats = VK_FORMAT_R32G32B32A32_SFLOAT;
 	uint64_t emission = gw_surfels_emit(work->surfels) ? 32 * leaves : 16;
 	const gw_octree_part part[] = {
-		{ &octree->leaf_geometry, floats, 32 * leaves, "geometry of leaves" },
 		{ &octree->facet_plane, floats, 32 * leaves, "planes of facets" },
 		{ &octree->facet_centre, floats, 32 * leaves, "centroids of facets" },
 		{ &octree->facet_albedo, floats, 32 * leaves, "albedos of facets" },
 		{ &octree->facet_emission, floats, emission, "emission of facets" },
-		{ &work->seed, VK_FORMAT_R32G32B32A32_UINT, 16 * leaves, "seeds of facets" },
 		{ &work->ray_mark, VK_FORMAT_R32_UINT, 4 * cells, "marked cells" },
 	};
-	GW_TRY(gw_octree_buffers(work, part, sizeof part / sizeof *part, error));
-	GW_TRY(gw_octree_buffer_unset(work, VK_FORMAT_R32_UINT, 4 * cells, "distances to marked cells",
-								  &work->distance, error));
-	return gw_octree_buffer_unset(work, VK_FORMAT_R32_UINT, 4 * cells, "directory of rays",
-								  &octree->ray_directory, error);
+	return gw_octree_buffers(work, part, sizeof part / sizeof *part, error);
 }
 
 /* Facets' emission; when there is none, a buffer of one texel that the passes leave alone. */
@@ -54,8 +60,9 @@ static gw_binding emission_binding(gw_octree *octree, bool emissive)
 	return emissive ? GW_WINDOW(&octree->facet_emission, 32) : GW_WHOLE(&octree->facet_emission);
 }
 
-static gw_status reduce(gw_octree_work *work, gw_leaves_push push, uint32_t longest,
-						gw_error *error)
+/* Seeds of facets, and geometry of leaves. */
+static gw_status find_seeds(gw_octree_work *work, gw_leaves_push push, uint32_t longest,
+							gw_error *error)
 {
 	gw_octree *octree = work->octree;
 	gw_binding seeding[] = {
@@ -69,6 +76,13 @@ static gw_status reduce(gw_octree_work *work, gw_leaves_push push, uint32_t long
 		GW_TRY(gw_passes_run(&work->passes, GW_PASS_OCTREE_SEED, seeding, &push, octree->leaf_count,
 							 error));
 	}
+	return GW_OK;
+}
+
+static gw_status add_up_facets(gw_octree_work *work, gw_leaves_push push, uint32_t longest,
+							   gw_error *error)
+{
+	gw_octree *octree = work->octree;
 	gw_binding adding[] = {
 		GW_WHOLE(&octree->leaf_fragment),
 		GW_WHOLE(&octree->leaf_cell),
@@ -174,6 +188,10 @@ static gw_status find_distances(gw_octree_work *work, gw_error *error)
 {
 	gw_octree *octree = work->octree;
 	size_t side = (size_t)1 << octree->directory_level, cells = side * side * side;
+	GW_TRY(gw_octree_buffer_unset(work, VK_FORMAT_R32_UINT, 4 * (uint64_t)cells,
+								  "distances to marked cells", &work->distance, error));
+	GW_TRY(gw_octree_buffer_unset(work, VK_FORMAT_R32_UINT, 4 * (uint64_t)cells,
+								  "directory of rays", &octree->ray_directory, error));
 	uint32_t *host = gw_allocate_array(cells, sizeof *host);
 	gw_status status = GW_OK;
 	if (host == NULL)
@@ -215,21 +233,35 @@ static gw_status find_dark_slot(gw_octree_work *work, gw_error *error)
 	return GW_OK;
 }
 
+/* What only facets were made of. */
+static void forget_fragments(gw_octree_work *work)
+{
+	gw_buffer *buffer[] = { &work->surfel_albedo, &work->surfel_emission, &work->surfel_bend,
+							&work->fragment_centroid, &work->seed };
+	for (size_t i = 0; i < sizeof buffer / sizeof *buffer; i++)
+		gw_buffer_destroy(work->gpu, buffer[i]);
+}
+
 gw_status gw_octree_reduce_leaves(gw_octree_work *work, gw_error *error)
 {
 	gw_octree *octree = work->octree;
 	uint32_t longest = 0;
 	GW_TRY(find_longest(work, &longest, error));
 	GW_TRY(gw_octree_upload_colours(work, error));
-	GW_TRY(create_leaves(work, error));
+	GW_TRY(create_seeds(work, error));
 	gw_leaves_push push = {
 		.leaves = octree->leaf_count,
 		.emissive = gw_surfels_emit(work->surfels),
 		.depth = octree->depth,
 		.directory_level = octree->directory_level,
 	};
-	GW_TRY(reduce(work, push, longest, error));
+	GW_TRY(find_seeds(work, push, longest, error));
+	if (!work->geometry)
+		gw_buffer_destroy(work->gpu, &octree->leaf_geometry);
+	GW_TRY(create_facets(work, error));
+	GW_TRY(add_up_facets(work, push, longest, error));
 	GW_TRY(finish(work, push, error));
+	forget_fragments(work);
 	GW_TRY(find_dark_slot(work, error));
 	return find_distances(work, error);
 }

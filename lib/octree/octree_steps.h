@@ -41,6 +41,7 @@ typedef struct gw_octree_work {
 	gw_gpu *gpu;
 	const gw_surfels *surfels;
 	gw_octree *octree;
+	bool geometry;        /* leaf_geometry is asked for */
 	double leaf_size;     /* metres; leaves are at least this wide */
 	size_t still;         /* surfels whose fragments are kept: the first ones */
 	gw_octree_kept *kept; /* NULL, or what they are kept in; not owned */
@@ -100,6 +101,10 @@ gw_status gw_octree_buffers(gw_octree_work *work, const gw_octree_part *parts, s
  * surfel_normal, surfel_disc and surfel_clip of the octree, and surfel_bend of the work.
  */
 gw_status gw_octree_upload(gw_octree_work *work, uint32_t depth, gw_error *error);
+/* Frees surfel_disc and surfel_clip, which facets are made without, and which take up much where
+ * the memory is needed most; and makes them again. */
+void gw_octree_forget_discs(gw_octree_work *work);
+gw_status gw_octree_upload_discs(gw_octree_work *work, gw_error *error);
 /* surfel_albedo and surfel_emission, which only facets need: they come when fragments are sorted,
  * which takes the most memory. */
 gw_status gw_octree_upload_colours(gw_octree_work *work, gw_error *error);

@@ -80,7 +80,8 @@ static gw_status make(gw_render_octree *o, const gw_surfels *surfels, const floa
 										options->validate == GW_VALIDATE_ACCESSES };
 	GW_TRY(gw_gpu_create(&device, &o->gpu, error));
 	if (options->depth == GW_DEPTH_AUTO)
-		GW_TRY(gw_octree_build_spaced(o->gpu, surfels, options->leaf_spacing, &o->octree, error));
+		GW_TRY(gw_octree_build_spaced(o->gpu, surfels, options->leaf_spacing, false, &o->octree,
+									  error));
 	else
 		GW_TRY(gw_octree_build(o->gpu, surfels, options->depth, &o->octree, error));
 	gw_octree_passes(&o->passes, o->gpu, &o->octree);
