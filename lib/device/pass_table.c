@@ -46,7 +46,7 @@ static const gw_pass_row table[GW_PASS_COUNT] = {
 
 	[GW_PASS_OCTREE_FRAGMENTS] = { "octree_fragments", "tttttsssssss", sizeof(gw_fragments_push),
 								   DISC_LOOPS, .why = OCTREE },
-	[GW_PASS_OCTREE_GATHER] = { "octree_gather", "sts", sizeof(gw_keys_push), .why = OCTREE },
+	[GW_PASS_OCTREE_INVERT] = { "octree_invert", "ss", sizeof(gw_keys_push), .why = OCTREE },
 	[GW_PASS_OCTREE_MARK] = { "octree_mark", "tts", sizeof(gw_keys_push), .why = OCTREE },
 	[GW_PASS_OCTREE_UNIQUE] = { "octree_unique", "ttsss", sizeof(gw_keys_push), .why = OCTREE },
 	[GW_PASS_OCTREE_PARENTS] = { "octree_parents", "ttss", sizeof(gw_keys_push), .why = OCTREE },

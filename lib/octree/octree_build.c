@@ -65,7 +65,7 @@ static gw_status fail_fragments(gw_octree_work *work, uint64_t fragments, gw_err
 				   gw_gpu_limits(work->gpu)->maxStorageBufferRange);
 }
 
-/* Fragments of work's some surfels. */
+/* Fragments of work's some surfels; where those are all, keys become leaves at once. */
 static gw_status make_fragments(gw_octree_work *work, gw_error *error)
 {
 	uint64_t fragments;
@@ -73,6 +73,9 @@ static gw_status make_fragments(gw_octree_work *work, gw_error *error)
 	if (!fragments_fit(work, fragments))
 		return fail_fragments(work, fragments, error);
 	work->octree->fragment_count = (uint32_t)fragments;
+	GW_TRY(gw_octree_sort_fragments(work, error));
+	if (work->kept == NULL)
+		GW_TRY(gw_octree_find_leaves(work, error));
 	return gw_octree_write_fragments(work, error);
 }
 
@@ -97,7 +100,7 @@ static gw_status make_kept_fragments(gw_octree_work *work, gw_error *error)
 	if (status == GW_OK)
 		status = gw_octree_merge_fragments(work, &kept->still, &moving, error);
 	gw_fragment_list_clear(&moving);
-	return status;
+	return status == GW_OK ? gw_octree_find_leaves(work, error) : status;
 }
 
 static gw_status build(gw_octree_work *work, uint32_t depth, gw_error *error)
@@ -118,13 +121,10 @@ static void destroy_work(gw_octree_work *work)
 {
 	gw_gpu *gpu = work->gpu;
 	gw_buffer *buffer[] = {
-		&work->surfel_albedo,   &work->surfel_bend,
-		&work->surfel_emission, &work->surfel_offset,
-		&work->surfel_samples,  &work->unsorted_surfel,
-		&work->unsorted_weight, &work->unsorted_centroid,
-		&work->marks,           &work->fragment_centroid,
-		&work->first,           &work->seed,
-		&work->ray_mark,        &work->distance,
+		&work->surfel_albedo, &work->surfel_bend,       &work->surfel_emission,
+		&work->surfel_offset, &work->surfel_samples,    &work->fragment_place,
+		&work->marks,         &work->fragment_centroid, &work->first,
+		&work->seed,          &work->ray_mark,          &work->distance,
 	};
 	for (size_t i = 0; i < sizeof buffer / sizeof *buffer; i++)
 		gw_buffer_destroy(gpu, buffer[i]);

@@ -225,16 +225,15 @@ bool gw_octree_is_wide(const gw_octree_work *work)
 	return 3 * work->octree->depth > 32;
 }
 
-/* Counting writes nothing but counts; other outputs are stood in for. */
-static gw_status run_fragments(gw_octree_work *work, bool emit, gw_error *error)
+/* What is not written is stood in for. */
+static gw_status run_fragments(gw_octree_work *work, uint32_t emit, gw_error *error)
 {
 	gw_octree *octree = work->octree;
 	gw_buffer *stand_in = &work->surfel_offset;
-	gw_buffer *high = gw_octree_is_wide(work) ? &work->keys.high : &work->keys.low;
-	gw_fragments_push push = { .side = 1u << octree->depth,
-							   .emit = emit,
-							   .wide = gw_octree_is_wide(work),
-							   .base = (uint32_t)work->from };
+	bool keys = emit == GW_EMIT_KEYS, rest = emit == GW_EMIT_REST, wide = gw_octree_is_wide(work);
+	gw_fragments_push push = {
+		.side = 1u << octree->depth, .emit = emit, .wide = wide, .base = (uint32_t)work->from
+	};
 	gw_binding bindings[] = {
 		GW_WHOLE(&octree->surfel_position),
 		GW_WHOLE(&octree->surfel_normal),
@@ -243,11 +242,15 @@ static gw_status run_fragments(gw_octree_work *work, bool emit, gw_error *error)
 		GW_WHOLE(&work->surfel_bend),
 		GW_WINDOW(&work->surfel_offset, 4),
 		GW_WINDOW(&work->surfel_samples, 4),
-		GW_WHOLE(emit ? &work->keys.low : stand_in),
-		GW_WHOLE(emit ? high : stand_in),
-		GW_WHOLE(emit ? &work->unsorted_surfel : stand_in),
-		GW_WHOLE(emit ? &work->unsorted_weight : stand_in),
-		GW_WHOLE(emit ? &work->unsorted_centroid : stand_in),
+		GW_WHOLE(keys   ? &work->keys.low
+				 : rest ? &work->fragment_place
+						: stand_in),
+		GW_WHOLE(keys && wide ? &work->keys.high
+				 : keys       ? &work->keys.low
+							  : stand_in),
+		GW_WHOLE(rest ? &octree->fragment_surfel : stand_in),
+		GW_WHOLE(rest ? &octree->fragment_weight : stand_in),
+		GW_WHOLE(rest ? &work->fragment_centroid : stand_in),
 	};
 	return gw_passes_run(&work->passes, GW_PASS_OCTREE_FRAGMENTS, bindings, &push, work->some,
 						 error);
@@ -260,56 +263,49 @@ gw_status gw_octree_count_fragments(gw_octree_work *work, uint64_t *total, gw_er
 								  &work->surfel_offset, error));
 	GW_TRY(gw_octree_buffer_unset(work, VK_FORMAT_R32_UINT, bytes, "samples of discs",
 								  &work->surfel_samples, error));
-	GW_TRY(run_fragments(work, false, error));
+	GW_TRY(run_fragments(work, GW_EMIT_COUNTS, error));
 	return gw_prefix_sum_run(&work->passes, &work->sort.prefix, &work->surfel_offset, work->some,
 							 total, error);
 }
 
-/* Brings words of fragments into the sorted order; where they were is given back. */
-static gw_status gather(gw_octree_work *work, gw_buffer *unsorted, VkFormat format,
-						const char *name, gw_buffer *sorted, gw_error *error)
+/* Where each key went, in place of what sorting has no more use for. */
+static gw_status find_places(gw_octree_work *work, gw_error *error)
 {
-	uint64_t fragments = work->octree->fragment_count;
-	GW_TRY(gw_octree_buffer_unset(work, format, 4 * fragments, name, sorted, error));
-	gw_binding bindings[] = { GW_WINDOW(&work->keys.payload, 4), GW_WHOLE(unsorted),
-							  GW_WINDOW(sorted, 4) };
-	GW_TRY(gw_passes_run(&work->passes, GW_PASS_OCTREE_GATHER, bindings, &(gw_keys_push){ 0 },
-						 fragments, error));
-	gw_buffer_destroy(work->gpu, unsorted);
+	gw_sort_list *keys = &work->keys;
+	gw_binding bindings[] = { GW_WINDOW(&keys->payload, 4), GW_WHOLE(&keys->payload_copy) };
+	GW_TRY(gw_passes_run(&work->passes, GW_PASS_OCTREE_INVERT, bindings, &(gw_keys_push){ 0 },
+						 work->octree->fragment_count, error));
+	work->fragment_place = keys->payload_copy;
+	work->fragment_place.name = "places of fragments";
+	keys->payload_copy = (gw_buffer){ 0 };
+	gw_sort_list_trim(work->gpu, keys);
+	gw_buffer_destroy(work->gpu, &keys->payload);
 	return GW_OK;
 }
 
-/* One after the other, as all of them twice would be the most memory that a build takes. */
-static gw_status gather_all(gw_octree_work *work, gw_error *error)
+gw_status gw_octree_sort_fragments(gw_octree_work *work, gw_error *error)
 {
 	gw_octree *octree = work->octree;
-	GW_TRY(gather(work, &work->unsorted_surfel, VK_FORMAT_R32_UINT, "surfels of fragments",
-				  &octree->fragment_surfel, error));
-	GW_TRY(gather(work, &work->unsorted_weight, VK_FORMAT_R32_SFLOAT, "weights of fragments",
-				  &octree->fragment_weight, error));
-	GW_TRY(gather(work, &work->unsorted_centroid, VK_FORMAT_R32_UINT, "centroids of fragments",
-				  &work->fragment_centroid, error));
-	gw_buffer_destroy(work->gpu, &work->keys.payload);
-	return GW_OK;
+	GW_TRY(gw_sort_list_create(work->gpu, octree->fragment_count, gw_octree_is_wide(work),
+							   &work->keys, error));
+	GW_TRY(run_fragments(work, GW_EMIT_KEYS, error));
+	GW_TRY(gw_radix_sort_run(&work->passes, &work->sort, &work->keys, 3 * octree->depth, error));
+	return find_places(work, error);
 }
 
 gw_status gw_octree_write_fragments(gw_octree_work *work, gw_error *error)
 {
 	gw_octree *octree = work->octree;
 	uint64_t bytes = 4 * (uint64_t)octree->fragment_count;
-	GW_TRY(gw_sort_list_create(work->gpu, octree->fragment_count, gw_octree_is_wide(work),
-							   &work->keys, error));
-	GW_TRY(gw_octree_buffer_unset(work, VK_FORMAT_R32_UINT, bytes, "surfels of fragments, unsorted",
-								  &work->unsorted_surfel, error));
-	GW_TRY(gw_octree_buffer_unset(work, VK_FORMAT_R32_UINT, bytes, "weights of fragments, unsorted",
-								  &work->unsorted_weight, error));
-	GW_TRY(gw_octree_buffer_unset(work, VK_FORMAT_R32_UINT, bytes,
-								  "centroids of fragments, unsorted", &work->unsorted_centroid,
-								  error));
-	GW_TRY(run_fragments(work, true, error));
+	GW_TRY(gw_octree_buffer_unset(work, VK_FORMAT_R32_UINT, bytes, "surfels of fragments",
+								  &octree->fragment_surfel, error));
+	GW_TRY(gw_octree_buffer_unset(work, VK_FORMAT_R32_SFLOAT, bytes, "weights of fragments",
+								  &octree->fragment_weight, error));
+	GW_TRY(gw_octree_buffer_unset(work, VK_FORMAT_R32_UINT, bytes, "centroids of fragments",
+								  &work->fragment_centroid, error));
+	GW_TRY(run_fragments(work, GW_EMIT_REST, error));
 	gw_buffer_destroy(work->gpu, &work->surfel_offset);
 	gw_buffer_destroy(work->gpu, &work->surfel_samples);
-	GW_TRY(gw_radix_sort_run(&work->passes, &work->sort, &work->keys, 3 * octree->depth, error));
-	gw_sort_list_trim(work->gpu, &work->keys);
-	return gather_all(work, error);
+	gw_buffer_destroy(work->gpu, &work->fragment_place);
+	return GW_OK;
 }

@@ -58,7 +58,7 @@ typedef struct gw_octree_work {
 
 	/* Of fragments, first in the order of surfels, then sorted. */
 	gw_sort_list keys;
-	gw_buffer unsorted_surfel, unsorted_weight, unsorted_centroid;
+	gw_buffer fragment_place;    /* where the keys of fragments went, in the order of surfels */
 	gw_buffer fragment_centroid; /* R32_UINT: three times 10 bits, place in the leaf */
 
 	/* Keys, R32G32_UINT, by level of the cells. At level depth, cells are leaves. */
@@ -117,13 +117,16 @@ void gw_octree_forget_upload(gw_octree_work *work);
 /* Counts the fragments of each of work's some surfels; *total may be 2^32 or more. */
 gw_status gw_octree_count_fragments(gw_octree_work *work, uint64_t *total, gw_error *error);
 
-/* Writes and sorts the fragments: keys, fragment_surfel, fragment_weight, fragment_centroid. */
+/* Writes and sorts the keys of fragments, and where each went. */
+gw_status gw_octree_sort_fragments(gw_octree_work *work, gw_error *error);
+
+/* Writes the rest where the keys are: fragment_surfel, fragment_weight, fragment_centroid. */
 gw_status gw_octree_write_fragments(gw_octree_work *work, gw_error *error);
 
 /* Whether keys have a high word. */
 bool gw_octree_is_wide(const gw_octree_work *work);
 
-/* Takes what gw_octree_write_fragments made to the host; list is empty on failure. */
+/* Takes keys and what gw_octree_write_fragments made to the host; list is empty on failure. */
 gw_status gw_octree_fetch_fragments(gw_octree_work *work, gw_fragment_list *list, gw_error *error);
 void gw_fragment_list_clear(gw_fragment_list *list);
 
@@ -140,7 +143,10 @@ typedef struct gw_key_list {
 	uint32_t shift; /* 0, or 3: their parents' keys are meant */
 } gw_key_list;
 
-/* Leaves, tiles, pointers, level_directory. */
+/* The leaves that sorted fragments lie in, of which no keys are left then. */
+gw_status gw_octree_find_leaves(gw_octree_work *work, gw_error *error);
+
+/* Tiles, pointers, level_directory, leaf_cell. */
 gw_status gw_octree_make_tiles(gw_octree_work *work, gw_error *error);
 
 /* Geometry, facets, ray_directory. */

@@ -193,7 +193,7 @@ static gw_status link_level(gw_octree_work *work, uint32_t t, gw_error *error)
 	return gw_passes_run(&work->passes, GW_PASS_OCTREE_LINK, bindings, &push, push.total, error);
 }
 
-gw_status gw_octree_make_tiles(gw_octree_work *work, gw_error *error)
+gw_status gw_octree_find_leaves(gw_octree_work *work, gw_error *error)
 {
 	gw_octree *octree = work->octree;
 	uint32_t depth = octree->depth;
@@ -206,6 +206,13 @@ gw_status gw_octree_make_tiles(gw_octree_work *work, gw_error *error)
 	octree->leaf_fragment = work->first;
 	octree->leaf_fragment.name = "first fragments of leaves";
 	work->first = (gw_buffer){ 0 };
+	return GW_OK;
+}
+
+gw_status gw_octree_make_tiles(gw_octree_work *work, gw_error *error)
+{
+	gw_octree *octree = work->octree;
+	uint32_t depth = octree->depth;
 	GW_TRY(make_levels(work, error));
 	GW_TRY(create_tree(work, error));
 	for (uint32_t t = 0; t < depth; t++)

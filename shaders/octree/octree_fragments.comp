@@ -11,7 +11,9 @@
  * one in a lattice of 4 x 4 points in each column of cells along the axis nearest to its normal.
  * One too large for that gives all its area to the cell of its centre; see disc_tree.h.
  *
- * The same shader counts and writes, so that both always agree.
+ * The same shader counts and writes, so that both always agree. It writes keys first, which are
+ * sorted, and then the rest of each fragment where its key went: what is not sorted takes no room
+ * meanwhile.
  */
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -28,7 +30,7 @@ layout(binding = 3) uniform samplerBuffer surfel_clip; /* first clip distance, s
 layout(binding = 4) uniform samplerBuffer surfel_bend;
 layout(binding = 5) buffer Offsets { uint offset[]; }; /* count, then first fragment; windowed */
 layout(binding = 6) buffer Samples { uint samples[]; }; /* of the disc, that count; windowed */
-layout(binding = 7) writeonly buffer KeysLow { uint key_low[]; };
+layout(binding = 7) buffer KeysLow { uint key_low[]; }; /* GW_EMIT_REST: where each key went */
 layout(binding = 8) writeonly buffer KeysHigh { uint key_high[]; };
 layout(binding = 9) writeonly buffer Surfels { uint fragment_surfel[]; };
 layout(binding = 10) writeonly buffer Weights { float fragment_weight[]; };
@@ -54,12 +56,14 @@ uint place_to_write;
 
 void add_fragment(ivec3 cell, uint kind, float weight, vec3 middle)
 {
-	if (push.emit != 0u) {
+	if (push.emit == GW_EMIT_KEYS) {
 		uint at = place_to_write + fragments;
 		uvec2 key = morton_encode(uvec3(cell));
 		key_low[at] = key.x;
 		if (push.wide != 0u)
 			key_high[at] = key.y;
+	} else if (push.emit == GW_EMIT_REST) {
+		uint at = key_low[place_to_write + fragments];
 		fragment_surfel[at] = surfel | kind;
 		fragment_weight[at] = weight;
 		uvec3 c = uvec3(clamp(middle, vec3(0.0), vec3(1.0)) * 1023.0 + 0.5);
@@ -113,7 +117,7 @@ bool is_cut(Disc disc, vec2 at)
 
 void add_small_disc(Disc disc)
 {
-	vec4 sum[27]; /* of the points in each cell, and their number */
+	vec4 sum[27]; /* GW_EMIT_REST: of the points in each cell, and their number */
 	uint used = 0u;
 	vec2 turn = vec2(1.0, 0.0);
 	for (uint i = 0u; i < SMALL_POINTS; i++) {
@@ -127,21 +131,22 @@ void add_small_disc(Disc disc)
 			continue;
 		int k = step.x + 1 + 3 * (step.y + 1) + 9 * (step.z + 1);
 		inside_count++;
-		if (push.emit != 0u) {
+		if (push.emit == GW_EMIT_REST) {
 			vec4 before = (used >> k & 1u) != 0u ? sum[k] : vec4(0.0);
 			sum[k] = before + vec4(p - vec3(step), 1.0);
 		}
 		used |= 1u << k;
 	}
-	if (push.emit == 0u) {
+	if (push.emit == GW_EMIT_COUNTS) {
 		fragments += uint(bitCount(used));
 		return;
 	}
 	float share = disc.area / float(max(inside_count, 1u));
 	for (; used != 0u; used &= used - 1u) {
 		int k = findLSB(used);
-		add_fragment(disc.cell + ivec3(k % 3, k / 3 % 3, k / 9) - 1, 0u, share * sum[k].w,
-		             sum[k].xyz / sum[k].w);
+		vec4 of_cell = push.emit == GW_EMIT_REST ? sum[k] : vec4(1.0);
+		add_fragment(disc.cell + ivec3(k % 3, k / 3 % 3, k / 9) - 1, 0u, share * of_cell.w,
+		             of_cell.xyz / of_cell.w);
 	}
 }
 
@@ -200,7 +205,7 @@ void add_column(Disc disc, vec3 n, vec3 tangent, vec3 bitangent, float height, v
 			vec4 here = kept * vec4(equal(level, vec4(float(k))));
 			float number = dot(here, vec4(1.0));
 			hits[k] += number;
-			if (push.emit == 0u)
+			if (push.emit != GW_EMIT_REST)
 				continue;
 			sum_x[k] += dot(here, x);
 			sum_y[k] += number * y;
@@ -243,8 +248,8 @@ void main()
 	surfel = push.base + push.first + local;
 	fragments = 0u;
 	inside_count = 0u;
-	place_to_write = push.emit != 0u ? offset[local] : 0u;
-	uint known = push.emit != 0u ? samples[local] : 0u;
+	place_to_write = push.emit != GW_EMIT_COUNTS ? offset[local] : 0u;
+	uint known = push.emit != GW_EMIT_COUNTS ? samples[local] : 0u;
 
 	vec4 position = texelFetch(surfel_position, int(surfel));
 	vec4 size = texelFetch(surfel_disc, int(surfel)), clip = texelFetch(surfel_clip, int(surfel));
@@ -272,7 +277,7 @@ void main()
 		if (inside_count == 0u)
 			add_fragment(disc.cell, 0u, disc.area, disc.place);
 	}
-	if (push.emit == 0u) {
+	if (push.emit == GW_EMIT_COUNTS) {
 		offset[local] = fragments;
 		samples[local] = inside_count;
 	}

@@ -35,11 +35,16 @@
 /* What w of a facet's albedo is at least, besides 0 and 1, where some of it may face either way. */
 #define GW_FACET_UNCLEAR 2.0f
 
+/* What octree_fragments.comp does: counts fragments, writes their keys, or all else of them. */
+#define GW_EMIT_COUNTS 0u
+#define GW_EMIT_KEYS 1u
+#define GW_EMIT_REST 2u
+
 SHARED_STRUCT(gw_fragments_push)
 {
 	uint first, count;
 	uint side; /* leaf cells */
-	uint emit; /* 0: count; 1: write */
+	uint emit; /* one of those below */
 	uint wide; /* keys have a high word */
 	uint base; /* the surfel that element 0 is */
 };

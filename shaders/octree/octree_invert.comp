@@ -1,5 +1,5 @@
 /*
- * octree_gather.comp - brings words of the fragments into the sorted order.
+ * octree_invert.comp - where each key went when keys were sorted, from where each came from.
  */
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -8,10 +8,9 @@
 
 layout(local_size_x_id = 0) in;
 
-/* The output and the index are windowed. */
+/* The index is windowed. */
 layout(binding = 0) readonly buffer Index { uint index[]; };
-layout(binding = 1) uniform usamplerBuffer unsorted;
-layout(binding = 2) writeonly buffer Sorted { uint sorted[]; };
+layout(binding = 1) writeonly buffer Places { uint place[]; };
 
 layout(push_constant) uniform Push { gw_keys_push push; };
 
@@ -19,5 +18,5 @@ void main()
 {
 	uint local = gl_GlobalInvocationID.x;
 	if (local < push.count)
-		sorted[local] = texelFetch(unsorted, int(index[local])).x;
+		place[index[local]] = push.first + local;
 }
