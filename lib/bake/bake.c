@@ -6,6 +6,7 @@
 
 #include "glowworm_host.h"
 #include "light/direct_light.h"
+#include "octree/compartments.h"
 #include "bake/effect_seconds.h"
 #include "bake/error_price.h"
 #include "bake/forecast.h"
@@ -69,6 +70,11 @@ static gw_status stage(bake *b, const char *name, double done, double share, gw_
 	return gw_scene_begin(&b->scene, name, done, share, error);
 }
 
+static bool keeps_transport(const bake *b)
+{
+	return gw_transport_is_written(b->scene.options.transport);
+}
+
 /* -------------------------------------------------------------------------------------- steps */
 
 static gw_status open_device(bake *b, gw_error *error)
@@ -107,11 +113,32 @@ static gw_status find_gaps(bake *b, gw_error *error)
 	return gw_scene_find_space(&b->scene, b->points, error);
 }
 
+/* Cuts and bends of discs go where only the octree is made of them, and no other one will be.
+ * Large discs are lit by them, and where lamps shine the estimate bends discs as well. */
+static void drop_shapes(bake *b)
+{
+	gw_scene *scene = &b->scene;
+	gw_surfels *s = &scene->surfels;
+	bool again = gw_options_refine(&scene->options) || keeps_transport(b) ||
+				 gw_compartments_are_coarser(&scene->octree, s);
+	if (again || scene->octree.tree_discs > 0)
+		return;
+	free(s->clip);
+	s->clip = NULL;
+	if (b->light.plan.lamps)
+		return;
+	free(s->bend);
+	s->bend = NULL;
+}
+
 static gw_status build_octree(bake *b, gw_error *error)
 {
 	b->octree_start = gw_seconds();
-	return b->light.plan.octree ? gw_scene_build_octree(&b->scene, error)
-								: gw_scene_do_without_octree(&b->scene, error);
+	if (!b->light.plan.octree)
+		return gw_scene_do_without_octree(&b->scene, error);
+	GW_TRY(gw_scene_build_octree(&b->scene, error));
+	drop_shapes(b);
+	return GW_OK;
 }
 
 static gw_status light_directly(bake *b, gw_error *error)
@@ -163,11 +190,6 @@ static gw_status place_records(bake *b, gw_error *error)
 	if (b->scene.density.facet_spacing)
 		return gw_scene_add_records(&b->scene, error);
 	return gw_scene_place_records(&b->scene, error);
-}
-
-static bool keeps_transport(const bake *b)
-{
-	return gw_transport_is_written(b->scene.options.transport);
 }
 
 /* Weights of fragments say what facets get of the lamps' light, and what a region depends on. */
@@ -421,11 +443,13 @@ static gw_status run_round(bake *b, const gw_bake_options *next, const char *why
 	return status;
 }
 
-/* Where finer settings found no memory, the result is that of the settings before. */
-static gw_status go_back(bake *b, const gw_bake_options *last, gw_error *error)
+/* Where finer settings found no memory, the result is that of the settings before; with their
+ * octree, where it is still there. */
+static gw_status go_back(bake *b, const gw_bake_options *last, bool same_octree, gw_error *error)
 {
 	b->report->goal = GW_GOAL_MEMORY;
-	b->scene.options.leaf_spacing = 0.0f; /* whatever octree there is goes */
+	if (!same_octree)
+		b->scene.options.leaf_spacing = 0.0f; /* whatever octree there is goes */
 	return run_round(b, last, "finer settings found no memory", error);
 }
 
@@ -434,7 +458,7 @@ static gw_status refine_settings(bake *b, const gw_bake_options *next, const cha
 {
 	gw_bake_options last = b->scene.options;
 	gw_status status = run_round(b, next, why, error);
-	return status == GW_ERROR_MEMORY ? go_back(b, &last, error) : status;
+	return status == GW_ERROR_MEMORY ? go_back(b, &last, false, error) : status;
 }
 
 /* Records of one spacing that are about as many as those that were added up. */
@@ -463,7 +487,7 @@ static gw_status refine_records(bake *b, const gw_density_wish *wish, const char
 	gw_lighting_drop_gathered(&b->light);
 	status = run_steps(b, RECORDS_STEP, AFTER_ROUND, error);
 	if (status == GW_ERROR_MEMORY)
-		return go_back(b, &even, error);
+		return go_back(b, &even, true, error);
 	b->whole_seconds += gw_seconds() - start;
 	b->crowded = (double)b->report->records < GROWTH_LEAST * (double)before;
 	if (status == GW_OK)

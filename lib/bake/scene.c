@@ -269,6 +269,8 @@ gw_status gw_scene_make_surfels(gw_scene *scene, const gw_scene_description *fro
 	GW_TRY(gw_surfels_make(from->points, &options, &scene->surfels, error));
 	scene->surfels.emission_alone = gw_scene_emission_is_alone(scene);
 	gw_report_surfels(scene->report, &scene->surfels, from->points);
+	free(scene->surfels.normal_length); /* light has no use for it */
+	scene->surfels.normal_length = NULL;
 	return GW_OK;
 }
 
