@@ -47,25 +47,39 @@ static double sum_clipped(const bool *counts, const double *part, size_t points,
 	return sum;
 }
 
-/* Adds a part's share to the probabilities, of no point more than that it is drawn once. Returns by
- * how much they sum to more then: 1, or less where the part is of fewer points than are wanted. */
-static double add_part(const bool *counts, const double *part, size_t points, uint32_t wanted,
-					   double *probability)
+/* What a point may have of a part at most, and into *sum what they all have then; 0 where that is
+ * nothing. What is cut off makes the sum less, and with it what a point may have. */
+static double most_of_part(const gw_check_point_shares *from, size_t k, uint32_t wanted,
+						   double *sum)
 {
-	double most = INFINITY, before, sum = sum_clipped(counts, part, points, most), added = 0.0;
-	if (!(sum > 0.0) || !isfinite(sum))
-		return 0.0;
-	/* What is cut off makes the sum less, and with it what a point may have. */
+	double most = INFINITY, before;
+	*sum = sum_clipped(from->counts, from->part[k], from->points, most);
+	if (!(*sum > 0.0) || !isfinite(*sum))
+		return *sum = 0.0;
 	for (int i = 0; i < CLIPPINGS; i++) {
-		before = sum;
-		most = sum / wanted;
-		sum = sum_clipped(counts, part, points, most);
-		if (sum > CLIPPED_LAST * before)
+		before = *sum;
+		most = *sum / wanted;
+		*sum = sum_clipped(from->counts, from->part[k], from->points, most);
+		if (*sum > CLIPPED_LAST * before)
 			break;
 	}
-	for (size_t i = 0; i < points; i++) {
-		double share = counts[i] ? fmin(fmin(part[i], most) / sum, 1.0 / wanted) : 0.0;
-		probability[i] += share;
+	return most;
+}
+
+/* Adds the k-th part's share to the probabilities, of no point more than that it is drawn once; to
+ * the even ones in place of those that are there, for the first one, whose room they may take.
+ * Returns by how much they sum to more then: 1, or less where the part is of fewer points than are
+ * wanted. */
+static double add_part(const gw_check_point_shares *from, size_t k, uint32_t wanted, double even,
+					   double *probability)
+{
+	const bool *counts = from->counts;
+	double sum, most = most_of_part(from, k, wanted, &sum), added = 0.0;
+	for (size_t i = 0; i < from->points; i++) {
+		double share =
+			sum > 0.0 && counts[i] ? fmin(fmin(from->part[k][i], most) / sum, 1.0 / wanted) : 0.0;
+		double others = k > 0 ? probability[i] : counts[i] ? even : 0.0;
+		probability[i] = others + share;
 		added += share;
 	}
 	return added;
@@ -169,18 +183,20 @@ gw_status gw_check_point_choose(const gw_check_point_shares *shares, uint32_t wa
 	if (counted == 0 || wanted == 0)
 		return GW_OK;
 	size_t room = counted < wanted ? counted : wanted;
-	double *probability = gw_allocate_array(points, sizeof *probability), whole = 1.0;
+	double whole = 1.0, even = 1.0 / (double)counted;
+	double *own = shares->room ? NULL : gw_allocate_array(points, sizeof *own);
+	double *probability = shares->room ? shares->room : own;
 	choice->point = gw_allocate_array(room, sizeof *choice->point);
 	choice->weight = gw_allocate_array(room, sizeof *choice->weight);
 	if (!probability || !choice->point || !choice->weight) {
-		free(probability);
+		free(own);
 		gw_check_point_choice_clear(choice);
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory to draw from %zu points", points);
 	}
-	for (size_t i = 0; i < points; i++)
-		probability[i] = counts[i] ? 1.0 / (double)counted : 0.0;
+	for (size_t i = 0; i < points && shares->part_count == 0; i++)
+		probability[i] = counts[i] ? even : 0.0;
 	for (size_t k = 0; k < shares->part_count; k++)
-		whole += add_part(counts, shares->part[k], points, wanted, probability);
+		whole += add_part(shares, k, wanted, even, probability);
 	for (size_t i = 0; i < points; i++)
 		probability[i] *= wanted / whole;
 	bool drawn = counted > wanted;
@@ -190,7 +206,7 @@ gw_status gw_check_point_choose(const gw_check_point_shares *shares, uint32_t wa
 	} else {
 		take_all(counts, points, counted, choice);
 	}
-	free(probability);
+	free(own);
 	if (drawn || counted <= wanted)
 		return GW_OK;
 	gw_check_point_choice_clear(choice);

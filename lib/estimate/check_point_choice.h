@@ -35,6 +35,8 @@ typedef struct gw_check_point_shares {
 								  part no point has more than what makes it be drawn about once:
 								  what a part of a few points can't take falls to the others */
 	size_t part_count;
+	double
+		*room; /* NULL, or `points` numbers to write over: part[0], where nobody reads it again */
 } gw_check_point_shares;
 
 /*

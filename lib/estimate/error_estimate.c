@@ -134,7 +134,7 @@ static gw_status draw(const gw_estimate_task *task, const bool *counts,
 		predict(task, light, part[0], part[1], radiance);
 		status = gw_check_point_choose(
 			&(gw_check_point_shares){ points, counts, (const double *const[]){ part[0], part[1] },
-									  2 },
+									  2, part[0] },
 			task->points, task->seed, choice, error);
 	}
 	free(light);
@@ -546,20 +546,32 @@ static gw_status check_points(const gw_geometry_task *geometry, const gw_estimat
 	return status;
 }
 
-/* What the geometry by itself says. */
+static bool is_geometry_checked(const gw_estimate_task *task, double mean)
+{
+	return mean > 0.0 && task->octree->leaf_count > 0;
+}
+
+/* The discs by which geometry is checked. Building their tree takes more than it, so it comes
+ * before what else is needed then. */
+static gw_status open_discs(const gw_estimate_task *task, double mean, gw_error *error)
+{
+	return is_geometry_checked(task, mean) ? gw_check_discs_open(task->passes->gpu, task->octree,
+																 task->surfels, task->discs, error)
+										   : GW_OK;
+}
+
+/* What the geometry by itself says. *facet_radiance is gone when nothing reads it any more. */
 static gw_status check_geometry(const gw_estimate_task *task, const estimate *e,
-								const gw_buffer *facet_radiance, double mean,
-								gw_error_estimate *result, gw_error *error)
+								gw_buffer *facet_radiance, double mean, gw_error_estimate *result,
+								gw_error *error)
 {
 	double rms = 0.0;
-	if (!(mean > 0.0) || task->octree->leaf_count == 0)
+	if (!is_geometry_checked(task, mean))
 		return GW_OK;
 	float *light = task->records ? list_radiance(task) : NULL;
 	if (task->records && !light)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu points", task->surfels->count);
 	bool shadows = task->options->shadows != GW_SHADOWS_NONE;
-	gw_status status =
-		gw_check_discs_open(task->passes->gpu, task->octree, task->surfels, task->discs, error);
 	const gw_geometry_task check = { .gpu = task->passes->gpu,
 									 .octree = task->octree,
 									 .surfels = task->surfels,
@@ -581,8 +593,9 @@ static gw_status check_geometry(const gw_estimate_task *task, const estimate *e,
 									 .light_count = task->light_count,
 									 .options = task->options,
 									 .closed = task->closed };
-	if (status == GW_OK)
-		status = gw_geometry_error(&check, &rms, error);
+	gw_status status = gw_geometry_error(&check, &rms, error);
+	if (facet_radiance)
+		gw_buffer_destroy(task->passes->gpu, facet_radiance);
 	if (status == GW_OK)
 		status = check_points(&check, task, mean, result, error);
 	free(light);
@@ -617,6 +630,7 @@ static gw_status solve_with(const gw_estimate_task *task, again *a, estimate *e,
 											   .rays = gw_estimate_rays(task->rays),
 											   .seed = task->seed };
 	GW_TRY(look(task, &check_points, e, error));
+	GW_TRY(open_discs(task, mean, error));
 	if (task->bounces) {
 		GW_TRY(shade_all(task, &a->radiance, error));
 		GW_TRY(gw_emitters_make(task->passes->gpu, task->octree, &a->radiance, false,
@@ -652,8 +666,9 @@ gw_status gw_estimate_foresee(const gw_check_point_task *task, uint32_t points,
 	if (!counts)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu points", s->count);
 	choose_points(s, NULL, counts);
-	gw_status status = gw_check_point_choose(&(gw_check_point_shares){ s->count, counts, NULL, 0 },
-											 points, task->seed, &choice, error);
+	gw_status status =
+		gw_check_point_choose(&(gw_check_point_shares){ s->count, counts, NULL, 0, NULL }, points,
+							  task->seed, &choice, error);
 	if (status == GW_OK && choice.count > 0)
 		status = gw_check_point_hits_find(task, choice.point, choice.count, hits, error);
 	gw_check_point_choice_clear(&choice);
@@ -675,6 +690,8 @@ gw_status gw_estimate_error(const gw_estimate_task *task, gw_error_estimate *res
 	if (task->records)
 		status = solve_again(task, &e, mean, result, error);
 	else
+		status = open_discs(task, mean, error);
+	if (status == GW_OK && !task->records)
 		status = check_geometry(task, &e, NULL, mean, result, error);
 	if (status == GW_OK)
 		status = add_lamps(task, &e, mean, result, error);

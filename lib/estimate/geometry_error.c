@@ -396,7 +396,7 @@ static gw_status choose_points(check *c, gw_error *error)
 	wanted = wanted < LAMP_POINTS_MOST ? wanted : LAMP_POINTS_MOST;
 	wanted = wanted > LAMP_POINTS_LEAST ? wanted : LAMP_POINTS_LEAST;
 	gw_status status = gw_check_point_choose(
-		&(gw_check_point_shares){ count, t->counts, (const double *const[]){ light }, 1 },
+		&(gw_check_point_shares){ count, t->counts, (const double *const[]){ light }, 1, light },
 		(uint32_t)wanted, t->seed, &c->choice, error);
 	free(light);
 	return status;

@@ -203,8 +203,9 @@ gw_status gw_narrow_error(const gw_side_task *task, const bool *counts, double *
 	*rms = 0.0;
 	if (!s->doubt)
 		return GW_OK;
-	gw_status status = gw_check_point_choose(&(gw_check_point_shares){ s->count, counts, NULL, 0 },
-											 POINTS, task->seed, &c.choice, error);
+	gw_status status =
+		gw_check_point_choose(&(gw_check_point_shares){ s->count, counts, NULL, 0, NULL }, POINTS,
+							  task->seed, &c.choice, error);
 	if (status == GW_OK && c.choice.count > 1)
 		status = look_and_conclude(&c, rms, error);
 	free(c.lamp);

@@ -401,7 +401,7 @@ static gw_status draw(check *c, gw_error *error)
 	bool *counts = gw_allocate_array(s->count, sizeof *counts);
 	double *unknown = gw_allocate_array(s->count, sizeof *unknown), sum = 0.0;
 	const double *const part[] = { unknown };
-	const gw_check_point_shares shares = { s->count, counts, part, 1 };
+	const gw_check_point_shares shares = { s->count, counts, part, 1, unknown };
 	gw_status status = GW_OK;
 	if (!counts || !unknown)
 		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu points", s->count);

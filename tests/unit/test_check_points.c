@@ -64,8 +64,8 @@ static trials try_seeds(const field *f, size_t parts)
 		gw_check_point_choice c;
 		gw_error error;
 		assert_int_equal(
-			gw_check_point_choose(&(gw_check_point_shares){ POINTS, f->counts, part, parts }, DRAWS,
-								  seed, &c, &error),
+			gw_check_point_choose(&(gw_check_point_shares){ POINTS, f->counts, part, parts, NULL },
+								  DRAWS, seed, &c, &error),
 			GW_OK);
 		assert_int_equal(c.count, DRAWS);
 		for (uint32_t i = 0; i < c.count; i++)
@@ -121,10 +121,11 @@ static void known_errors_need_no_luck(void **state)
 	}
 	gw_check_point_choice c;
 	gw_error error;
-	assert_int_equal(gw_check_point_choose(
-						 &(gw_check_point_shares){ COUNT, counts, (const double *const[]){ x }, 1 },
-						 100, 5, &c, &error),
-					 GW_OK);
+	assert_int_equal(
+		gw_check_point_choose(
+			&(gw_check_point_shares){ COUNT, counts, (const double *const[]){ x }, 1, NULL }, 100,
+			5, &c, &error),
+		GW_OK);
 	for (uint32_t i = 0; i < c.count; i++)
 		value[i] = 1.0 + x[c.point[i]];
 	gw_check_point_mean found = gw_check_point_average(&c, value);
@@ -140,18 +141,19 @@ static void few_points_are_all_taken(void **state)
 	const double part[5] = { 0.0, 9.0, 1.0, 5.0, 1.0 };
 	gw_check_point_choice c;
 	gw_error error;
-	assert_int_equal(gw_check_point_choose(
-						 &(gw_check_point_shares){ 5, counts, (const double *const[]){ part }, 1 },
-						 3, 1, &c, &error),
-					 GW_OK);
+	assert_int_equal(
+		gw_check_point_choose(
+			&(gw_check_point_shares){ 5, counts, (const double *const[]){ part }, 1, NULL }, 3, 1,
+			&c, &error),
+		GW_OK);
 	assert_int_equal(c.count, 3);
 	assert_true(c.point[0] == 0 && c.point[1] == 2 && c.point[2] == 3);
 	assert_true(c.weight[0] == 1.0 / 3.0 && c.weight[2] == 1.0 / 3.0);
 	gw_check_point_choice_clear(&c);
-	assert_int_equal(
-		gw_check_point_choose(&(gw_check_point_shares){ 5, (const bool[5]){ false }, NULL, 0 }, 3,
-							  1, &c, &error),
-		GW_OK);
+	assert_int_equal(gw_check_point_choose(
+						 &(gw_check_point_shares){ 5, (const bool[5]){ false }, NULL, 0, NULL }, 3,
+						 1, &c, &error),
+					 GW_OK);
 	assert_int_equal(c.count, 0);
 	gw_check_point_choice_clear(&c);
 }
@@ -172,8 +174,8 @@ static void one_point_is_not_all(void **state)
 	gw_error error;
 	assert_int_equal(
 		gw_check_point_choose(
-			&(gw_check_point_shares){ COUNT, counts, (const double *const[]){ part }, 1 }, 200, 3,
-			&c, &error),
+			&(gw_check_point_shares){ COUNT, counts, (const double *const[]){ part }, 1, NULL },
+			200, 3, &c, &error),
 		GW_OK);
 	for (uint32_t i = 0; i < c.count; i++)
 		times += c.point[i] == 1234;
@@ -199,7 +201,8 @@ static void few_points_leave_the_rest(void **state)
 			part[COUNT / 2 + 17 * i] = 0.5 + (double)i;
 		gw_check_point_choice c;
 		gw_error error;
-		const gw_check_point_shares shares = { COUNT, counts, (const double *const[]){ part }, 1 };
+		const gw_check_point_shares shares = { COUNT, counts, (const double *const[]){ part }, 1,
+											   NULL };
 		assert_int_equal(gw_check_point_choose(&shares, WANTED, 9, &c, &error), GW_OK);
 		assert_int_equal(c.count, WANTED);
 		for (uint32_t i = 0; i < c.count; i++) {
@@ -214,6 +217,35 @@ static void few_points_leave_the_rest(void **state)
 		assert_true(fabs(sum - 1.0) < 3.0 / (WANTED - 100));
 		gw_check_point_choice_clear(&c);
 	}
+}
+
+/* Where it may write over the first part, it draws the same. */
+static void room_of_a_part_will_do(void **state)
+{
+	(void)state;
+	field *f = malloc(sizeof *f);
+	double *other = malloc(POINTS * sizeof *other);
+	assert_true(f && other);
+	make_field(f);
+	for (size_t i = 0; i < POINTS; i++)
+		other[i] = (double)(i % 13);
+	for (size_t parts = 1; parts <= 2; parts++) {
+		const double *const part[2] = { f->predicted, other };
+		gw_check_point_choice apart, within;
+		gw_error error;
+		gw_check_point_shares from = { POINTS, f->counts, part, parts, NULL };
+		assert_int_equal(gw_check_point_choose(&from, DRAWS, 3, &apart, &error), GW_OK);
+		from.room = f->predicted;
+		assert_int_equal(gw_check_point_choose(&from, DRAWS, 3, &within, &error), GW_OK);
+		assert_int_equal(apart.count, within.count);
+		assert_memory_equal(apart.point, within.point, apart.count * sizeof *apart.point);
+		assert_memory_equal(apart.weight, within.weight, apart.count * sizeof *apart.weight);
+		gw_check_point_choice_clear(&apart);
+		gw_check_point_choice_clear(&within);
+		make_field(f);
+	}
+	free(other);
+	free(f);
 }
 
 /* A floor along x in Morton order, dark before its middle: light changes there and nowhere else. */
@@ -270,6 +302,7 @@ int main(void)
 		cmocka_unit_test(few_points_are_all_taken),
 		cmocka_unit_test(one_point_is_not_all),
 		cmocka_unit_test(few_points_leave_the_rest),
+		cmocka_unit_test(room_of_a_part_will_do),
 		cmocka_unit_test(contrast_is_where_light_changes),
 		cmocka_unit_test(fine_bakes_draw_more),
 	};
