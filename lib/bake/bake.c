@@ -113,15 +113,17 @@ static gw_status find_gaps(bake *b, gw_error *error)
 	return gw_scene_find_space(&b->scene, b->points, error);
 }
 
-/* Cuts and bends of discs go where only the octree is made of them, and no other one will be.
- * Large discs are lit by them, and where lamps shine the estimate bends discs as well. */
-static void drop_shapes(bake *b)
+/* Cuts and bends of discs go when the octree is made of them, unless another one may follow. Lamps
+ * light large discs by them, each lamp again where columns of lamps are asked for, and where lamps
+ * shine the estimate bends discs as well. lit: by the lamps. */
+static void drop_shapes(bake *b, bool lit)
 {
 	gw_scene *scene = &b->scene;
 	gw_surfels *s = &scene->surfels;
 	bool again = gw_options_refine(&scene->options) || keeps_transport(b) ||
 				 gw_compartments_are_coarser(&scene->octree, s);
-	if (again || scene->octree.tree_discs > 0)
+	bool large = b->light.plan.lamps && scene->octree.tree_discs > 0;
+	if (again || (large && (!lit || scene->options.lamps)))
 		return;
 	free(s->clip);
 	s->clip = NULL;
@@ -137,13 +139,14 @@ static gw_status build_octree(bake *b, gw_error *error)
 	if (!b->light.plan.octree)
 		return gw_scene_do_without_octree(&b->scene, error);
 	GW_TRY(gw_scene_build_octree(&b->scene, error));
-	drop_shapes(b);
+	drop_shapes(b, false);
 	return GW_OK;
 }
 
 static gw_status light_directly(bake *b, gw_error *error)
 {
 	GW_TRY(gw_lighting_direct(&b->light, error));
+	drop_shapes(b, true);
 	b->octree_seconds = gw_seconds() - b->octree_start;
 	return GW_OK;
 }
