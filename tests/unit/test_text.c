@@ -35,6 +35,28 @@ static void messages_are_shown_not_obeyed(void **state)
 	assert_message("", "");
 }
 
+static ssize_t count_piece(void *user, const char *bytes, size_t length)
+{
+	(void)bytes;
+	++*(int *)user;
+	return (ssize_t)length;
+}
+
+/* A message reaches a terminal without a buffer, as standard error is, in one piece: nothing that
+ * another process writes comes into it. */
+static void messages_are_written_whole(void **state)
+{
+	(void)state;
+	const cookie_io_functions_t terminal = { .write = count_piece };
+	int pieces = 0;
+	FILE *out = fopencookie(&pieces, "w", terminal);
+	assert_non_null(out);
+	setvbuf(out, NULL, _IONBF, 0);
+	text_message(out, "glowworm: %s\n", "a name with \033 in it");
+	assert_int_equal(pieces, 1);
+	fclose(out);
+}
+
 static void percent_has_no_exponent(void **state)
 {
 	(void)state;
@@ -99,6 +121,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(messages_are_shown_not_obeyed),
+		cmocka_unit_test(messages_are_written_whole),
 		cmocka_unit_test(percent_has_no_exponent),
 		cmocka_unit_test(printed_text_has_arrived),
 	};
