@@ -812,12 +812,27 @@ static void price_text(const bake_facts *f, char *text, size_t room)
 	put_parts(r, text, room);
 }
 
+/* Points that are lit from both sides are not asked how wrong that is: it is told where there are
+ * no others. */
+static void tell_unknown_error(const gw_report *r)
+{
+	for (uint32_t i = 0; i < r->count_count; i++)
+		if (strcmp(r->count[i].name, "normals_untrusted") == 0 && r->count[i].points > 0 &&
+			calls_for(r, gw_effect_name(GW_EFFECT_ERROR)))
+			fprintf(stderr,
+					"glowworm: note: how wrong the light is nobody knows: the points are lit from "
+					"both sides; --scanner X,Y,Z, where one stood, or normals in the file settle "
+					"it\n");
+}
+
 void bake_report_error(const bake_facts *f)
 {
 	const gw_report *r = &f->result->report;
 	char error[80], price[512];
-	if (r->error.points == 0 && !(r->error.relative_rms > 0.0))
+	if (r->error.points == 0 && !(r->error.relative_rms > 0.0)) {
+		tell_unknown_error(r);
 		return;
+	}
 	error_text(r, error);
 	price_text(f, price, sizeof price);
 	fprintf(stderr, "glowworm: estimated error: %s of the mean%s\n", error, price);
