@@ -272,7 +272,8 @@ static gw_status apply(work *m, float *radiance)
 {
 	GW_TRY(find_lamps(m));
 	GW_TRY(set_gains(m, m->whole->gain, m->whole->gain_count));
-	compare_sum(m);
+	if (!m->whole->adds_up)
+		compare_sum(m);
 	if (!isfinite(m->whole->squares))
 		return light_mix_check(m->whole, m->error);
 	for (size_t k = 0; k < 3; k++)

@@ -19,6 +19,7 @@ typedef struct light_mix {
 	size_t gain_count;
 	size_t removed;      /* columns of the last part that were left out */
 	uint64_t points;     /* of all parts so far */
+	bool adds_up;        /* is known, so that it is not looked at again */
 	double own, squares; /* sums over these: radiance that came in, and by how much the sum of the
 							lamps is off it, both squared */
 } light_mix;

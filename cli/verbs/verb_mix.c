@@ -212,14 +212,15 @@ static gw_status use_parts(mixing *m, mix_use *use)
 {
 	uint64_t count = m->parts.count;
 	m->mix.points = 0;
-	m->mix.own = m->mix.squares = 0.0;
 	for (uint64_t first = 0; first < count; first += PART_POINTS) {
 		double done = (double)first / (double)count;
 		progress_show(&m->progress, "mix", (m->passed + done) / m->passes);
 		GW_TRY(use_part(m, first, PART_POINTS, use));
 	}
 	m->passed++;
-	return check_mix(m);
+	GW_TRY(check_mix(m));
+	m->mix.adds_up = true;
+	return GW_OK;
 }
 
 static gw_status add_light(mixing *m, mixed_part *part)
@@ -264,6 +265,7 @@ static gw_status note_metering(mixing *m, mixed_part *part)
 static gw_status mix_parts(mixing *m)
 {
 	GW_TRY(use_part(m, 0, 1, note_metering));
+	m->mix.own = m->mix.squares = 0.0;
 	m->passes = isnan(m->exposure) ? 3 : 1;
 	if (isnan(m->exposure)) {
 		GW_TRY(use_parts(m, add_light));
@@ -273,8 +275,7 @@ static gw_status mix_parts(mixing *m)
 	return use_parts(m, write_part);
 }
 
-/* ----------------------------------------------------------------------------------- all at once
- */
+/* ------------------------------------------------------------------------------ all at once */
 
 static gw_status mix_whole(mixing *m)
 {
