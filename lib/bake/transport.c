@@ -21,7 +21,7 @@
 #include <string.h>
 
 #define MAGIC "glowworm transport\n"
-#define VERSION 22u
+#define VERSION 23u
 
 /* Blocks are read and checked in chunks, by all threads. */
 #define CHUNK_BYTES (UINT64_C(1) << 20)
@@ -428,6 +428,7 @@ static gw_status read_blocks(gw_scene *scene, const gw_transport *t, const head 
 {
 	gw_transport_block blocks[GW_TRANSPORT_BLOCKS];
 	gw_transport_numbers_restore(&h->numbers, scene);
+	GW_TRY(gw_compartments_restore(&h->numbers.compartments, &scene->octree, error));
 	size_t count = gw_transport_list(scene, &h->numbers, blocks);
 	if (h->length != length_of(blocks, count) || t->length != h->length)
 		return damaged(t,
@@ -447,7 +448,8 @@ static gw_status read_blocks(gw_scene *scene, const gw_transport *t, const head 
 	if (!fits)
 		return damaged(t, "this transport is damaged", error);
 	GW_TRY(take_blocks(scene, t, &all, error));
-	if (!tree_fits(scene, &all) || !rows_fit(scene, &h->numbers) || !density_fits(scene) ||
+	GW_TRY(gw_compartments_fit(&scene->octree, &fits, error));
+	if (!fits || !tree_fits(scene, &all) || !rows_fit(scene, &h->numbers) || !density_fits(scene) ||
 		!gw_placed_probes_fit(&scene->probes))
 		return damaged(t, "this transport is damaged", error);
 	return GW_OK;

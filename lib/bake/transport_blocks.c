@@ -31,6 +31,10 @@
 #define FROM_ABOVE 256u  /* no block: seen from above alone, for the estimated error */
 #define ADDED 512u       /* records were, where these stand closer than others */
 
+/* Bits of gw_transport_numbers.apart. */
+#define ROWS_APART 1u
+#define HITS_APART 2u
+
 /* What of discs an octree takes that is made from the surfels again, and what lamps do that shine
  * on large ones. */
 static uint32_t discs_of(const gw_scene *scene)
@@ -88,6 +92,9 @@ gw_transport_numbers gw_transport_numbers_of(const gw_scene *scene)
 	n.wanted_leaf_size = o->wanted_leaf_size;
 	snprintf(n.why_coarser, sizeof n.why_coarser, "%s", o->why_coarser);
 	n.probes = scene->probes.numbers;
+	n.compartments = gw_compartments_numbers_of(o);
+	n.apart = (scene->read_back.parted == r->count ? ROWS_APART : 0) |
+			  (scene->rays.shut_out == r->count ? HITS_APART : 0);
 	memcpy(n.origin, s->origin, sizeof n.origin);
 	memcpy(n.minimum, s->minimum, sizeof n.minimum);
 	memcpy(n.maximum, s->maximum, sizeof n.maximum);
@@ -104,12 +111,13 @@ bool gw_transport_numbers_fit(const gw_transport_numbers *n)
 	for (int k = 0; k < 3; k++)
 		if (!isfinite(n->origin[k]) || !isfinite(n->cube_minimum[k]))
 			return false;
-	return gw_probe_numbers_fit(&n->probes) && n->surfels > 0 && n->tree_discs <= n->surfels &&
-		   n->surfels <= 2 * n->points && n->points <= POINTS_MAX && n->strays <= n->points &&
-		   n->depth >= 1 && n->depth <= GW_DEPTH_MAX && n->directory_level == directory &&
-		   n->rays > 0 && n->rays <= 4096 && (uint64_t)n->rays * n->records <= UINT32_MAX &&
-		   n->emits <= 2 && n->looked <= 1 && n->portals <= GW_PORTALS_MOST &&
-		   n->opened == (n->portals > 0) &&
+	return gw_probe_numbers_fit(&n->probes) && n->apart <= (ROWS_APART | HITS_APART) &&
+		   gw_compartments_numbers_fit(&n->compartments, n->tiles, n->leaf_tiles) &&
+		   n->surfels > 0 && n->tree_discs <= n->surfels && n->surfels <= 2 * n->points &&
+		   n->points <= POINTS_MAX && n->strays <= n->points && n->depth >= 1 &&
+		   n->depth <= GW_DEPTH_MAX && n->directory_level == directory && n->rays > 0 &&
+		   n->rays <= 4096 && (uint64_t)n->rays * n->records <= UINT32_MAX && n->emits <= 2 &&
+		   n->looked <= 1 && n->portals <= GW_PORTALS_MOST && n->opened == (n->portals > 0) &&
 		   n->optional <= (NOISY | OFF | POINTS_ALBEDO | CUT | BENT | CREASED | MOMENTS | DOUBTED |
 						   FROM_ABOVE | ADDED) &&
 		   (n->tree_discs == 0 || n->optional & CUT) &&
@@ -154,13 +162,16 @@ void gw_transport_numbers_restore(const gw_transport_numbers *n, gw_scene *scene
 								   .block_count = n->block_count,
 								   .block_tile_first = n->block_tile_first,
 								   .row_count = n->facet_rows };
-	scene->rays = (gw_ray_gather){ .rays = n->rays, .seed = n->ray_seed };
+	scene->rays = (gw_ray_gather){ .rays = n->rays,
+								   .seed = n->ray_seed,
+								   .shut_out = n->apart & HITS_APART ? n->records : 0 };
 	scene->portals =
 		(gw_portals){ .looked = n->looked, .count = n->portals, .escaped = n->escaped };
 	scene->check_points =
 		(gw_check_point_hits){ .count = n->check_points, .rays = n->check_point_rays };
 	gw_probe_numbers_restore(&n->probes, &scene->probes);
-	scene->read_back = (gw_read_back){ .count = (size_t)n->surfels };
+	scene->read_back = (gw_read_back){ .count = (size_t)n->surfels,
+									   .parted = n->apart & ROWS_APART ? n->records : 0 };
 	memcpy(s->origin, n->origin, sizeof n->origin);
 	memcpy(s->minimum, n->minimum, sizeof n->minimum);
 	memcpy(s->maximum, n->maximum, sizeof n->maximum);
@@ -268,6 +279,17 @@ static void list_tree(list *l, gw_octree *o, const gw_transport_numbers *n)
 				pointers > 256 ? pointers : 256, INT32_MAX, 1);
 }
 
+static void list_compartments(list *l, gw_octree *o, const gw_transport_numbers *n)
+{
+	gw_compartments_array arrays[GW_COMPARTMENTS_ARRAYS];
+	if (n->compartments.known != GW_COMPARTMENTS_SEVERAL)
+		return;
+	gw_compartments_list(o, (size_t)n->surfels, arrays);
+	for (size_t i = 0; i < GW_COMPARTMENTS_ARRAYS; i++)
+		index_below(host(l, arrays[i].name, arrays[i].array, arrays[i].bytes), 0,
+					arrays[i].labels ? n->compartments.count : 0, UINT32_MAX, 1);
+}
+
 static void list_leaves(list *l, gw_octree *o, const gw_transport_numbers *n)
 {
 	uint64_t facets = 32 * (uint64_t)n->leaves, surfels = 16 * n->surfels;
@@ -358,6 +380,7 @@ size_t gw_transport_list(gw_scene *scene, const gw_transport_numbers *numbers,
 	list l = { blocks, 0 };
 	list_surfels(&l, scene, numbers);
 	list_tree(&l, &scene->octree, numbers);
+	list_compartments(&l, &scene->octree, numbers);
 	list_leaves(&l, &scene->octree, numbers);
 	list_records(&l, scene, numbers);
 	list_check_points(&l, scene, numbers);

@@ -5,6 +5,7 @@
 #define TRANSPORT_BLOCKS_H
 
 #include "bake/scene.h"
+#include "octree/compartments_kept.h"
 
 /* The numbers of a scene, at fixed places and of fixed size. */
 typedef struct gw_transport_numbers {
@@ -33,6 +34,9 @@ typedef struct gw_transport_numbers {
 	float wanted_leaf_size;    /* likewise, as the next */
 	char why_coarser[GW_OCTREE_WHY];
 	gw_probe_numbers probes; /* that were placed */
+	gw_compartments_numbers compartments;
+	uint32_t apart; /* 1: no row has a record of another compartment than its own, 2: nor a ray hit
+					   surface of one */
 } gw_transport_numbers;
 
 /* One array. */

@@ -207,6 +207,21 @@ static void lit_again_through_an_opening(void **state)
 	same_and_other_lights(scene_make_cellar, GW_METHOD_RAYS);
 }
 
+/* A room that is lit and one beside it into which nothing gets: what rock keeps apart is not found
+ * again, but kept. */
+static void make_shut_rooms(scene *s)
+{
+	scene_add_box(s, (double[3]){ 0.0, 0.0, 0.0 }, (double[3]){ 3.0, 2.0, 2.0 }, 10.0, 0.5f);
+	scene_add_box(s, (double[3]){ 3.1, 0.0, 0.0 }, (double[3]){ 2.0, 2.0, 2.0 }, 10.0, 0.5f);
+}
+
+static void lit_again_amid_rock(void **state)
+{
+	(void)state;
+	same_and_other_lights(make_shut_rooms, GW_METHOD_RAYS);
+	same_and_other_lights(make_shut_rooms, GW_METHOD_CONES);
+}
+
 static void lit_again_by_cones(void **state)
 {
 	(void)state;
@@ -646,6 +661,7 @@ int main(void)
 		cmocka_unit_test(lit_again_by_rays),
 		cmocka_unit_test(lit_again_through_an_opening),
 		cmocka_unit_test(lit_again_by_cones),
+		cmocka_unit_test(lit_again_amid_rock),
 		cmocka_unit_test(lit_again_on_large_discs),
 		cmocka_unit_test(other_emission),
 		cmocka_unit_test(records_are_added),

@@ -3,7 +3,7 @@
 #include "cloud/surfels.h"
 #include "device/gpu_internal.h"
 #include "expected.h"
-#include "octree/compartments.h"
+#include "octree/compartments_kept.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -33,9 +33,10 @@ static void make_ball(size_t first, double x, double side)
 	}
 }
 
-/* Surfels of so many balls, the first one seen from outside, and their octree, two levels deeper
- * than they ask for. */
-static void build(gw_gpu *gpu, size_t balls, gw_surfels *surfels, gw_octree *octree)
+/* Surfels of so many balls, the first one seen from outside, and their octree, so many levels
+ * deeper than they ask for. */
+static void build(gw_gpu *gpu, size_t balls, uint32_t deeper, gw_surfels *surfels,
+				  gw_octree *octree)
 {
 	gw_error error;
 	make_ball(0, 0.0, 1.0);
@@ -45,9 +46,9 @@ static void build(gw_gpu *gpu, size_t balls, gw_surfels *surfels, gw_octree *oct
 	};
 	const gw_surfels_options options = { .threads = 2, .normals = GW_NORMALS_GIVEN };
 	assert_ok(gw_surfels_make(&points, &options, surfels, &error), &error);
-	assert_ok(gw_octree_build(gpu, surfels, gw_octree_auto_depth(surfels) + 2, octree, &error),
+	assert_ok(gw_octree_build(gpu, surfels, gw_octree_auto_depth(surfels) + deeper, octree, &error),
 			  &error);
-	assert_true(gw_compartments_are_coarser(octree, surfels));
+	assert_int_equal(gw_compartments_are_coarser(octree, surfels), deeper > 1);
 }
 
 /* Of the octree and all else, but for what copies go through. */
@@ -64,7 +65,7 @@ static void one_compartment_takes_no_memory(void **state)
 	gw_surfels surfels;
 	gw_octree octree;
 	gw_error error;
-	build(gpu, 1, &surfels, &octree);
+	build(gpu, 1, 2, &surfels, &octree);
 	uint64_t before = bytes_of(gpu);
 	assert_ok(gw_compartments_find(gpu, &surfels, 2, &octree, &error), &error);
 	assert_non_null(octree.coarser);
@@ -109,7 +110,7 @@ static void several_take_what_places_are_found_by(void **state)
 	gw_surfels surfels;
 	gw_octree octree;
 	gw_error error;
-	build(gpu, 2, &surfels, &octree);
+	build(gpu, 2, 2, &surfels, &octree);
 	uint64_t before = bytes_of(gpu);
 	assert_ok(gw_compartments_find(gpu, &surfels, 2, &octree, &error), &error);
 	assert_true(gw_compartments_several(&octree));
@@ -127,11 +128,95 @@ static void several_take_what_places_are_found_by(void **state)
 	gw_gpu_destroy(&gpu);
 }
 
+static void assert_fit(const gw_octree *octree, bool expected)
+{
+	gw_error error;
+	bool fit;
+	assert_ok(gw_compartments_fit(octree, &fit, &error), &error);
+	assert_int_equal(fit, expected);
+}
+
+/* Puts a word in place of another one, with which the arrays must not fit. */
+static void assert_refused(const gw_octree *octree, uint32_t *word, uint32_t wrong)
+{
+	uint32_t right = *word;
+	*word = wrong;
+	assert_fit(octree, false);
+	*word = right;
+	assert_fit(octree, true);
+}
+
+/* What a transport keeps of an octree's own compartments makes the same ones again; and arrays that
+ * do not hang together are told before anything walks through them. */
+static void kept_ones_are_the_same(void **state)
+{
+	(void)state;
+	gw_gpu *gpu = open_gpu((gw_gpu_options){ 0 });
+	gw_compartments_array own[GW_COMPARTMENTS_ARRAYS], again[GW_COMPARTMENTS_ARRAYS];
+	gw_surfels surfels;
+	gw_octree octree;
+	gw_error error;
+	build(gpu, 2, 0, &surfels, &octree);
+	assert_int_equal(gw_compartments_numbers_of(&octree).known, GW_COMPARTMENTS_NOT_FOUND);
+	assert_ok(gw_compartments_find(gpu, &surfels, 2, &octree, &error), &error);
+	const gw_compartments_numbers n = gw_compartments_numbers_of(&octree);
+	assert_int_equal(n.known, GW_COMPARTMENTS_SEVERAL);
+	assert_true(gw_compartments_numbers_fit(&n, octree.tile_count, octree.leaf_tile_count));
+	gw_octree kept = octree;
+	kept.facet_compartment = NULL;
+	assert_ok(gw_compartments_restore(&n, &kept, &error), &error);
+	gw_compartments_list(&octree, surfels.count, own);
+	gw_compartments_list(&kept, surfels.count, again);
+	for (size_t i = 0; i < GW_COMPARTMENTS_ARRAYS; i++) {
+		assert_int_equal(again[i].bytes, own[i].bytes);
+		void *copy = malloc(again[i].bytes);
+		assert_non_null(copy);
+		memcpy(copy, *(void **)own[i].array, own[i].bytes);
+		*(void **)again[i].array = copy;
+	}
+	assert_fit(&kept, true);
+	assert_sides(gpu, &kept, &surfels);
+	uint32_t *tree = *(void **)again[0].array, *label = *(void **)again[2].array;
+	uint32_t child = 0;
+	while (tree[child] == 0)
+		child++;
+	assert_refused(&kept, &tree[child], 1);           /* the root: round and round */
+	assert_refused(&kept, &tree[child], n.tiles + 1); /* there is no such tile */
+	assert_refused(&kept, &label[again[2].bytes / 4 - 1], 1);
+	gw_compartments_destroy(&kept.compartments);
+	free(kept.facet_compartment);
+	gw_octree_destroy(gpu, &octree);
+	gw_surfels_clear(&surfels);
+	gw_gpu_destroy(&gpu);
+}
+
+/* Numbers that no octree of 5 tiles and 9 leaf tiles has. */
+static void other_numbers_are_refused(void **state)
+{
+	(void)state;
+	const gw_compartments_numbers wrong[] = {
+		{ .known = GW_COMPARTMENTS_SEVERAL + 1 },
+		{ .known = GW_COMPARTMENTS_ONE, .count = 1 },
+		{ .known = GW_COMPARTMENTS_SEVERAL, .tiles = 4, .count = 2 },
+		{ .known = GW_COMPARTMENTS_SEVERAL, .tiles = 5 },
+		{ .known = GW_COMPARTMENTS_SEVERAL, .tiles = 5, .count = 8 * (5 + 9) + 2 },
+		{ .known = GW_COMPARTMENTS_SEVERAL, .tiles = UINT32_MAX / 8, .count = 2 },
+	};
+	for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++)
+		assert_false(gw_compartments_numbers_fit(&wrong[i], 5, 9));
+	const gw_compartments_numbers right = { .known = GW_COMPARTMENTS_SEVERAL,
+											.tiles = 5,
+											.count = 8 * (5 + 9) + 1 };
+	assert_true(gw_compartments_numbers_fit(&right, 5, 9));
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(one_compartment_takes_no_memory),
 		cmocka_unit_test(several_take_what_places_are_found_by),
+		cmocka_unit_test(kept_ones_are_the_same),
+		cmocka_unit_test(other_numbers_are_refused),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
