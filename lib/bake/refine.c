@@ -36,7 +36,10 @@
 #define SHARE_MOST 0.75
 #define GROWTH_MOST 8.0
 
-/* Where that was done before, what is left is less sure to lie where records disagree. */
+/* Where that was done before, what is left is less sure to lie where records disagree. Where no
+ * target asks for more, the first time either: most of the error is often that of few places, and
+ * an estimate from few points makes much of it. Of a cave of 1.4 million points under a spot 10,651
+ * records are 12.2 % off many, 12,700 are 8.9, 18,900 8.4 and 66,000, which were foreseen, 8.3. */
 #define GROWTH_AGAIN 2.0
 
 /* Cones have an error of their own that no number of records lessens, and gather at all of them
@@ -238,7 +241,10 @@ gw_refine_answer gw_refine_gathered(const gw_refine_state *state, gw_density_wis
 	aimed.options = &options;
 	aimed.error.spread = 0.0;
 	aimed.round = NULL;
-	return add_records(&aimed, wish, why);
+	gw_refine_answer answer = add_records(&aimed, wish, why);
+	if (answer == GW_REFINE_ROUND)
+		wish->most_growth = fmin(wish->most_growth, GROWTH_AGAIN);
+	return answer;
 }
 
 /* Whether gathered light is more wrong than all that stays. */

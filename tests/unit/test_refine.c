@@ -105,6 +105,7 @@ static void gathered_light_asks_for_records(void **state)
 	s.error.relative_rms = hypot(0.06, 0.2);
 	assert_int_equal(gw_refine_gathered(&s, &wish, why), GW_REFINE_ROUND);
 	assert_true(wish.least == 2.5f);
+	assert_true(wish.most_growth == 2.0); /* it is estimated again before they are more */
 	/* Half of the error is a quarter of its square, and nine tenths of that are aimed at. */
 	assert_float_equal(wish.share, 0.81 * 0.25, 1e-6);
 	s.error.spread = 0.01; /* does not matter */
