@@ -29,6 +29,7 @@ settings="
 --method cones
 --method volume --volume-cells 32
 --method volume --volume-cells 64
+--method volume --volume-cells 64 --volume-sh 9
 --method lpv --volume-cells 8
 --method lpv --volume-cells 16
 --method probes --probe-size 64
