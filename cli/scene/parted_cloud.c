@@ -6,9 +6,6 @@
 #include "points/scan_thinning.h"
 #include "program/signals.h"
 
-#include <string.h>
-#include <sys/stat.h>
-
 /* Points that are read at once: such that some parts are there of small clouds too, for those who
  * go on where others ended. */
 #define PART_LEAST ((size_t)1 << 14)
@@ -34,14 +31,11 @@ static bool asks_for_points_alone(const settings *s, const format *output)
 		   s->strays != SETTINGS_STRAYS_DROP && s->points.albedo != SCAN_ALBEDO_INTENSITY;
 }
 
-/* One file of points, which can be read twice. */
+/* Whether one file has all points, as they are. */
 static bool is_one_file(const settings *s)
 {
-	struct stat info;
 	const settings_input *from = s->input;
-	return s->input_count == 1 && !from->has_matrix && !from->mesh && !s->columns &&
-		   strcmp(from->path, "-") != 0 && stat(from->path, &info) == 0 && S_ISREG(info.st_mode) &&
-		   info.st_size > 0;
+	return s->input_count == 1 && !from->has_matrix && !from->mesh && !s->columns;
 }
 
 /* How many bytes a bake may take in all. */

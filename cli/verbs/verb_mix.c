@@ -16,7 +16,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 /* Points that are mixed at once where the input can be read in parts: a fine grain of progress, and
  * next to no memory. */
@@ -178,19 +177,16 @@ static void clear_part(mixed_part *part)
 
 /* ----------------------------------------------------------------------------------- one by one */
 
-/* Whether the input can be read more than once, in parts, and the output written so. Formats that
+/* Whether the input can be read in parts, more than once, and the output written so. Formats that
  * tell by all points which columns there are would have to be read once more. */
 static gw_status open_parts(mixing *m, bool *parted)
 {
 	const settings *s = m->settings;
 	const format_options options = { s->format, NULL, s->bake.threads };
-	const char *path = s->input[0].path;
-	struct stat info;
 	*parted = false;
-	if (!m->format->write_head || strcmp(path, "-") == 0 || stat(path, &info) != 0 ||
-		!S_ISREG(info.st_mode) || info.st_size == 0)
+	if (!m->format->write_head)
 		return GW_OK;
-	GW_TRY(format_parts_open(path, &options, &m->parts, m->error));
+	GW_TRY(format_parts_open(s->input[0].path, &options, &m->parts, m->error));
 	*parted = m->parts.found && !m->parts.found->settle_rows;
 	return GW_OK;
 }

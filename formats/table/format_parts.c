@@ -5,11 +5,22 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+
+/* No pipe, and something is in it. */
+static bool can_be_read_twice(const char *path)
+{
+	struct stat info;
+	return strcmp(path, "-") != 0 && stat(path, &info) == 0 && S_ISREG(info.st_mode) &&
+		   info.st_size > 0;
+}
 
 gw_status format_parts_open(const char *path, const format_options *options, format_parts *parts,
 							gw_error *error)
 {
 	*parts = (format_parts){ .found = NULL };
+	if (!can_be_read_twice(path))
+		return GW_OK;
 	GW_TRY(input_file_open_as(&parts->in, path, 0, 0, error));
 	parts->in.threads = options->threads;
 	const format *found = format_recognise(path, options->name, &parts->in);

@@ -19,8 +19,8 @@ typedef struct format_parts {
 } format_parts;
 
 /*
- * Opens a file, if it is one whose points can be read in parts: no pipe, and of a format and in an
- * encoding that allow it.
+ * Opens a file, if it is one whose points can be read in parts: no pipe, not empty, and of a format
+ * and in an encoding that allow it. A file that is not there is left to whoever reads it whole.
  *   parts     to be given back with format_parts_close, also where found is NULL
  *   options   as for format_read_with
  * Fails like input_file_open_as.
