@@ -7,7 +7,8 @@
 # branches that are reached, hardly on how often. Each test runs by itself in a build that counts
 # them. All of hostile are taken, and those of less than a second; then whichever adds the most
 # lines and branches a second of the processor, until 99.5 % of the lines are reached that all tests
-# reach. What takes long and reaches little that others do not is left out.
+# reach. What takes long and reaches little that others do not is left out. Those that the list has
+# `by hand` are neither run nor counted, and stay there.
 #
 # What each test reached is kept in build/coverage/reached, a file a test, until the test or the
 # program is made anew; when one fails, which is then not kept, the list stays as it is. Takes some
@@ -126,7 +127,8 @@ choose() { # file...
 
 mkdir -p "$kept"
 mapfile -t sources < <(ls tests/unit/test_*.c* tests/hostile/test_*.c* &&
-	grep -L '^# sanitize: no$' tests/cli/*.sh)
+	grep -L '^# sanitize: no$' tests/cli/*.sh |
+	grep -vxFf <(sed '1,/^# By hand/d' tests/not_sanitized))
 for source in "${sources[@]}"; do
 	while [ "$(jobs -rp | wc -l)" -ge "$(nproc)" ]; do wait -n; done
 	count_one "$source" &
@@ -138,4 +140,5 @@ done
 {
 	sed '/^[^#]/,$d' tests/not_sanitized
 	choose "${sources[@]/#*\//$kept/}"
+	sed -n '/^# By hand/,$p' tests/not_sanitized
 } >"$kept/../not_sanitized" && cp "$kept/../not_sanitized" tests/not_sanitized
