@@ -34,6 +34,24 @@ run 0 render glossy.ply -o orbit.png -q --size 16x12 --samples 1 --glossy caches
 	--camera 'at 0,-3.4,1 to 0,0,1 fov 46'
 ls ./*.png
 
+# Views, each of which draws something else; and probes, kept and read again.
+camera='at 0.5,-1.6,0.5 to 0.5,0.5,0.5 fov 40'
+# shellcheck disable=SC2086
+run 0 bake box.ply $few --light "$lamp name lamp" -o lit.ply
+for view in cells:3 border:4 octree:4 samples opacity:4:+x radiance:4:-z records shaded; do
+	run 0 render lit.ply -q -f -o view.png --size 16x12 --camera "$camera" --view "$view"
+done
+run 0 render lit.ply -q -f -o view.png --size 16x12 --camera "$camera" --view shadow:lamp \
+	--light "$lamp name lamp" --shadows maps
+run 0 compare lit.ply glossy.ply --worst worst.ply --worst-count 10 >figures.txt
+run 0 render worst.ply -q -f -o view.png --size 16x12 --camera "$camera" --view error
+probes='--rays 4 --moves 1 --size 8 -q -f'
+# shellcheck disable=SC2086
+run 0 probes box.ply $probes -o plain.exr --vdb plain.vdb --save-transport t.gwt
+# shellcheck disable=SC2086
+run 0 probes box.ply $probes -o again.exr --vdb again.vdb --transport t.gwt
+cmp plain.exr again.exr
+
 # Light by a grid, which is written; frames; shares of lamps; effects; points of no surface.
 # shellcheck disable=SC2086
 run 0 bake box.ply $few --method volume --volume-cells 4 --vdb-sh grid.vdb -o volume.ply
