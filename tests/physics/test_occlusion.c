@@ -292,8 +292,6 @@ static const expectation expectations[] = {
 	  false },
 	{ MESH_CORNELL, GW_METHOD_RAYS, 30000, 0, 0, 0.06, 0.025, "normals are of planes: as given",
 	  true },
-	{ MESH_CORRIDOR, GW_METHOD_RAYS, 30000, 0, 0, 0.055, 0.025, "normals are of planes: as given",
-	  true },
 	{ MESH_RUIN, GW_METHOD_RAYS, 30000, 0, 0, 0.06, 0.025, "normals are of planes: as given",
 	  true },
 	{ MESH_HOLE, GW_METHOD_RAYS, 30000, 0, 0, 0.15, 0.1, "normals are of planes: as given", true },
