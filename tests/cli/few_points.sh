@@ -55,6 +55,11 @@ cmp plain.exr again.exr
 # Light by a grid, which is written; frames; shares of lamps; effects; points of no surface.
 # shellcheck disable=SC2086
 run 0 bake box.ply $few --method volume --volume-cells 4 --vdb-sh grid.vdb -o volume.ply
+for method in lpv probes buffers; do
+	# shellcheck disable=SC2086
+	run 0 bake box.ply $few --method $method -f -o other.ply
+done
+glowworm plan box.ply --method buffers --rays 4 >plan.txt 2>&1 || cat plan.txt
 echo '1e9,0,0,0,0,1' >stray.txt
 { printf 'x,y,z,nx,ny,nz\n'; cut -d, -f1-6 room.csv | tail -n +2; cat stray.txt; } >strays.csv
 for strays in keep light; do
