@@ -2,12 +2,14 @@
  * bench_peers.c - seconds and error of the bake beside two usual ways to light a cloud, on the same
  * points: path tracing at every point, and rays that read cached radiance, then a filter.
  *
- *   bench_peers [--way NAME] [--json] [SCENE.json TRUTH.ply [SECONDS [PREFIX]]]
+ *   bench_peers [--way NAME] [--goal ERROR] [--json] [--blender peer_cycles.py]
+ *               [SCENE.json TRUTH.ply [SECONDS [PREFIX]]]
  *
  * SCENE and TRUTH are what make_truth writes; without them a Cornell box of 20,000 points is lit
- * and its truth traced. Each way, or the one that is named, climbs its ladder of settings until 3 %
- * are reached or SECONDS (60) are over. PREFIX-NAME.ply receives the last light of each. --json
- * writes each row as a line of JSON, and no table.
+ * and its truth traced. Each way, or the one that is named, climbs its ladder of settings until the
+ * error is the goal (0.03) or SECONDS (60) are over. PREFIX-NAME.ply receives the last light of
+ * each. --json writes each row as a line of JSON, and no table. --blender: a scene of files is lit
+ * by Cycles, too.
  *
  * Seconds count from bare points to light at every point, without files. Error is over the points
  * of the truth that do not emit: relRMSE, the same over the best 99 %, and bias, in % of the mean.
@@ -18,6 +20,7 @@
 #include "scene/loaded_scene.h"
 #include "comparison/matched_scans.h"
 #include "files/output_file.h"
+#include "peer_cycles.h"
 #include "peer_light.h"
 #include "reference_tracer.h"
 #include "points/scan_color.h"
@@ -52,8 +55,11 @@ typedef struct problem {
 	size_t *which;            /* known places among the points */
 	double *truth;            /* known luminances */
 	double *found;            /* known */
-	double seconds;           /* the most that a ladder may take */
+	double goal;              /* error that ends a ladder */
+	double seconds;           /* the most that it may take */
 	const char *prefix, *way; /* NULL: no files, and all ways */
+	const char *script;       /* peer_cycles.py; NULL: without Cycles */
+	const char *scene_path;   /* NULL: made here */
 	bool json;
 	gw_error error;
 } problem;
@@ -243,7 +249,7 @@ static bool show(problem *p, ladder *l, const char *setting, span took, const fl
 				(s->busy == 0.0 || took.busy < s->busy))
 				*s = took;
 		}
-	return l->reached[1][0].busy > 0.0 || took.wall > p->seconds;
+	return c.rel_rmse <= p->goal || took.wall > p->seconds;
 }
 
 static void print_reached(const ladder *l)
@@ -314,10 +320,13 @@ static void fill_radiance(const problem *p, peers *s, uint32_t samples)
 	}
 }
 
-static gw_status make_peers(problem *p, peers *s)
+/* Indexed by Embree, or not. */
+static gw_status make_peers(problem *p, peers *s, bool indexed)
 {
 	span start = now();
 	GW_TRY(peer_discs_make(&p->points, p->lights, p->light_count, &s->discs, &p->error));
+	if (indexed)
+		GW_TRY(peer_discs_index(&s->discs, &p->error));
 	size_t count = s->discs.surfels.count;
 	s->lamps = calloc(count, 3 * sizeof *s->lamps);
 	s->light = calloc(count, 3 * sizeof *s->light);
@@ -378,10 +387,33 @@ static gw_status climb_cached(problem *p, peers *s, ladder *l)
 	return GW_OK;
 }
 
+/* More and more paths, each time from the beginning: Blender does not go on where it ended. */
+static gw_status climb_samples(problem *p, peers *s, ladder *l)
+{
+	peer_cycles cycles = { 0 };
+	bool over = false;
+	span start = now();
+	gw_status status = peer_cycles_make(&s->discs, p->script, p->scene_path, &cycles, &p->error);
+	span made = sum(s->made, since(start));
+	for (uint32_t samples = 4; !over && status == GW_OK && samples < 1u << 20; samples *= 2) {
+		char setting[64];
+		double seconds[2];
+		status = peer_cycles_light(&cycles, samples, s->light, seconds, &p->error);
+		if (status != GW_OK)
+			break;
+		span took = sum(made, (span){ seconds[0], seconds[1] });
+		fill_radiance(p, s, 1);
+		snprintf(setting, sizeof setting, "%u samples", samples);
+		over = show(p, l, setting, took, s->radiance) || 2.0 * took.wall > p->seconds;
+	}
+	peer_cycles_clear(&cycles);
+	return status == GW_OK && p->prefix ? write_light(p, "cycles", s->radiance) : status;
+}
+
 static gw_status climb_peer(problem *p, ladder *l, gw_status (*climb)(problem *, peers *, ladder *))
 {
 	peers s = { 0 };
-	gw_status status = make_peers(p, &s);
+	gw_status status = make_peers(p, &s, climb != climb_samples);
 	if (status == GW_OK)
 		status = climb(p, &s, l);
 	peer_discs_clear(&s.discs);
@@ -399,6 +431,11 @@ static gw_status climb_path_tracing(problem *p, ladder *l)
 static gw_status climb_cached_radiance(problem *p, ladder *l)
 {
 	return climb_peer(p, l, climb_cached);
+}
+
+static gw_status climb_cycles(problem *p, ladder *l)
+{
+	return p->script && p->scene_path ? climb_peer(p, l, climb_samples) : GW_OK;
 }
 
 /* -------------------------------------------------------------------------------- the bake */
@@ -483,7 +520,7 @@ typedef struct way {
 static const way ways[] = {
 	{ "paths", climb_path_tracing }, { "cached", climb_cached_radiance },
 	{ "presets", climb_presets },    { "targets", climb_targets },
-	{ "surfaces", climb_surfaces },
+	{ "surfaces", climb_surfaces },  { "cycles", climb_cycles },
 };
 #define WAYS (sizeof ways / sizeof *ways)
 
@@ -535,11 +572,15 @@ static void clear(problem *p)
 static int read_options(problem *p, int count, char **argument)
 {
 	static const struct option long_option[] = { { "way", required_argument, NULL, 'w' },
+												 { "blender", required_argument, NULL, 'b' },
+												 { "goal", required_argument, NULL, 'g' },
 												 { "json", no_argument, NULL, 'j' },
 												 { 0 } };
 	bool known = true;
 	for (int c; known && (c = getopt_long(count, argument, "", long_option, NULL)) != -1;) {
-		known = c == 'w' || c == 'j';
+		known = c == 'w' || c == 'j' || c == 'b' || c == 'g';
+		p->goal = c == 'g' ? strtod(optarg, NULL) : p->goal;
+		p->script = c == 'b' ? optarg : p->script;
 		p->json |= c == 'j';
 		p->way = c == 'w' ? optarg : p->way;
 	}
@@ -551,15 +592,17 @@ static int read_options(problem *p, int count, char **argument)
 
 int main(int count, char **argument)
 {
-	problem p = { .settings = settings_default(), .seconds = 60.0 };
+	problem p = { .settings = settings_default(), .goal = goals[1], .seconds = 60.0 };
 	int files = read_options(&p, count, argument);
 	argument += optind;
 	if (files < 0 || files == 1 || files > 4) {
-		fputs("Usage: bench_peers [--way paths|cached|presets|targets|surfaces] [--json]\n"
-			  "                   [SCENE.json TRUTH.ply [SECONDS [PREFIX]]]\n",
+		fputs("Usage: bench_peers [--way paths|cached|presets|targets|surfaces|cycles] [--json]\n"
+			  "                   [--blender peer_cycles.py] [SCENE.json TRUTH.ply [SECONDS "
+			  "[PREFIX]]]\n",
 			  stderr);
 		return 2;
 	}
+	p.scene_path = files > 0 ? argument[0] : NULL;
 	if (files > 2)
 		p.seconds = strtod(argument[2], NULL);
 	if (files > 3)

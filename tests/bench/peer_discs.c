@@ -10,9 +10,6 @@
 
 #define PI 3.14159265f
 
-/* Rays begin this far above the surface, and end as far above what they aim at, in spacings. */
-#define OFFSET 0.2f
-
 #define CHUNK 4096u
 
 static float dot(const float a[3], const float b[3])
@@ -32,6 +29,80 @@ float peer_random_next(peer_random *random)
 	uint32_t shifted = (uint32_t)((old >> 18 ^ old) >> 27), turn = (uint32_t)(old >> 59);
 	uint32_t drawn = shifted >> turn | shifted << (-turn & 31u);
 	return (float)(drawn >> 8) * 0x1p-24f;
+}
+
+/* ------------------------------------------------------------------------------ neighbours */
+
+typedef struct search {
+	peer_discs *discs;
+	const gw_neighbour_index *index;
+	float *position;
+	size_t k;
+	bool failed[GW_THREADS_MAX];
+} search;
+
+static void search_some(void *user, size_t first, size_t last, uint32_t worker)
+{
+	search *s = user;
+	size_t count = last - first, each = s->discs->neighbours;
+	int *found = gw_allocate_array(count, s->k * sizeof *found);
+	float *squared = gw_allocate_array(count, s->k * sizeof *squared);
+	if (found && squared &&
+		gw_neighbour_index_search(s->index, s->position + 3 * first, count, s->k, found, squared))
+		for (size_t i = 0; i < count * each; i++) {
+			size_t j = i % each, row = i / each;
+			s->discs->neighbour[first * each + i] =
+				(uint32_t)found[s->k * row + (j < s->k ? j : 0)];
+		}
+	else
+		s->failed[worker] = true;
+	free(found);
+	free(squared);
+}
+
+gw_status peer_discs_neighbours(peer_discs *d, size_t neighbours, gw_error *error)
+{
+	size_t count = d->surfels.count;
+	search s = { .discs = d, .k = count < neighbours ? count : neighbours };
+	d->neighbours = neighbours;
+	d->neighbour = gw_allocate_array(count, neighbours * sizeof *d->neighbour);
+	if (!d->neighbour)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for neighbours");
+	s.position = d->surfels.position;
+	gw_neighbour_index *index = gw_neighbour_index_build(s.position, count);
+	s.index = index;
+	if (index)
+		gw_parallel_for(0, count, CHUNK, search_some, &s);
+	bool failed = !index;
+	for (uint32_t i = 0; i < GW_THREADS_MAX; i++)
+		failed = failed || s.failed[i];
+	if (index)
+		gw_neighbour_index_free(index);
+	return failed ? gw_fail(error, GW_ERROR_MEMORY, "no memory for neighbours") : GW_OK;
+}
+
+bool peer_discs_alike(const peer_discs *d, size_t i, size_t j)
+{
+	return dot(d->surfels.normal + 3 * i, d->surfels.normal + 3 * j) > 0.7f;
+}
+
+/* Discs overlap: the nearest centre, of those that face the same way, owns a place. */
+static uint32_t owner_of(const peer_discs *d, uint32_t disc, const float place[3])
+{
+	const gw_surfels *s = &d->surfels;
+	uint32_t best = disc;
+	float least = INFINITY;
+	for (size_t k = 0; k < d->neighbours; k++) {
+		uint32_t i = d->neighbour[(size_t)disc * d->neighbours + k];
+		const float *p = s->position + 3 * (size_t)i;
+		const float to[3] = { p[0] - place[0], p[1] - place[1], p[2] - place[2] };
+		float off = dot(to, to);
+		if (off < least && peer_discs_alike(d, i, disc)) {
+			least = off;
+			best = i;
+		}
+	}
+	return best;
 }
 
 /* ------------------------------------------------------------------------------- geometry */
@@ -57,9 +128,10 @@ static void filter(const struct RTCFilterFunctionNArguments *a)
 			a->valid[0] = 0;
 }
 
-static gw_status make_scene(peer_discs *d, gw_error *error)
+gw_status peer_discs_index(peer_discs *d, gw_error *error)
 {
 	const gw_surfels *s = &d->surfels;
+	GW_TRY(peer_discs_neighbours(d, PEER_NEIGHBOURS, error));
 	d->device = rtcNewDevice(NULL);
 	d->scene = d->device ? rtcNewScene(d->device) : NULL;
 	if (!d->scene)
@@ -75,7 +147,6 @@ static gw_status make_scene(peer_discs *d, gw_error *error)
 		memcpy(disc + 4 * i, s->position + 3 * i, 12);
 		disc[4 * i + 3] = s->radius[i];
 		memcpy(normal + 3 * i, s->normal + 3 * i, 12);
-		gw_tangent_frame(s->normal + 3 * i, d->frame + 6 * i, d->frame + 6 * i + 3);
 	}
 	rtcSetGeometryUserData(g, d);
 	rtcSetGeometryIntersectFilterFunction(g, filter);
@@ -85,71 +156,6 @@ static gw_status make_scene(peer_discs *d, gw_error *error)
 	rtcReleaseGeometry(g);
 	rtcCommitScene(d->scene);
 	return GW_OK;
-}
-
-/* ------------------------------------------------------------------------------ neighbours */
-
-typedef struct search {
-	peer_discs *discs;
-	const gw_neighbour_index *index;
-	float *position;
-	size_t k;
-	bool failed[GW_THREADS_MAX];
-} search;
-
-static void search_some(void *user, size_t first, size_t last, uint32_t worker)
-{
-	search *s = user;
-	size_t count = last - first;
-	int *found = gw_allocate_array(count, s->k * sizeof *found);
-	float *squared = gw_allocate_array(count, s->k * sizeof *squared);
-	if (found && squared &&
-		gw_neighbour_index_search(s->index, s->position + 3 * first, count, s->k, found, squared))
-		for (size_t i = 0; i < count * PEER_NEIGHBOURS; i++) {
-			size_t j = i % PEER_NEIGHBOURS, row = i / PEER_NEIGHBOURS;
-			s->discs->neighbour[first * PEER_NEIGHBOURS + i] =
-				(uint32_t)found[s->k * row + (j < s->k ? j : 0)];
-		}
-	else
-		s->failed[worker] = true;
-	free(found);
-	free(squared);
-}
-
-static gw_status find_neighbours(peer_discs *d, gw_error *error)
-{
-	size_t count = d->surfels.count;
-	search s = { .discs = d, .k = count < PEER_NEIGHBOURS ? count : PEER_NEIGHBOURS };
-	s.position = d->surfels.position;
-	gw_neighbour_index *index = gw_neighbour_index_build(s.position, count);
-	s.index = index;
-	if (index)
-		gw_parallel_for(0, count, CHUNK, search_some, &s);
-	bool failed = !index;
-	for (uint32_t i = 0; i < GW_THREADS_MAX; i++)
-		failed = failed || s.failed[i];
-	if (index)
-		gw_neighbour_index_free(index);
-	return failed ? gw_fail(error, GW_ERROR_MEMORY, "no memory for neighbours") : GW_OK;
-}
-
-/* Discs overlap: the nearest centre, of those that face the same way, owns a place. */
-static uint32_t owner_of(const peer_discs *d, uint32_t disc, const float place[3])
-{
-	const gw_surfels *s = &d->surfels;
-	uint32_t best = disc;
-	float least = INFINITY;
-	for (size_t k = 0; k < PEER_NEIGHBOURS; k++) {
-		uint32_t i = d->neighbour[(size_t)disc * PEER_NEIGHBOURS + k];
-		const float *p = s->position + 3 * (size_t)i;
-		const float to[3] = { p[0] - place[0], p[1] - place[1], p[2] - place[2] };
-		float off = dot(to, to);
-		if (off < least && dot(s->normal + 3 * (size_t)i, s->normal + 3 * (size_t)disc) > 0.7f) {
-			least = off;
-			best = i;
-		}
-	}
-	return best;
 }
 
 /* -------------------------------------------------------------------------------- emitters */
@@ -205,13 +211,10 @@ gw_status peer_discs_make(const gw_points *points, const gw_light *lights, size_
 		return status;
 	size_t count = d->surfels.count;
 	d->frame = gw_allocate_array(count, 6 * sizeof *d->frame);
-	d->neighbour = gw_allocate_array(count, PEER_NEIGHBOURS * sizeof *d->neighbour);
-	if (!d->frame || !d->neighbour)
+	if (!d->frame)
 		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu discs", count);
-	if (status == GW_OK)
-		status = find_neighbours(d, error);
-	if (status == GW_OK)
-		status = make_scene(d, error);
+	for (size_t i = 0; status == GW_OK && i < count; i++)
+		gw_tangent_frame(d->surfels.normal + 3 * i, d->frame + 6 * i, d->frame + 6 * i + 3);
 	if (status == GW_OK)
 		status = find_emitters(d, error);
 	if (status == GW_OK)
@@ -243,7 +246,7 @@ static struct RTCRay ray_from(const peer_discs *d, uint32_t from, const float di
 {
 	const float *p = d->surfels.position + 3 * (size_t)from;
 	const float *n = d->surfels.normal + 3 * (size_t)from;
-	float offset = OFFSET * d->surfels.spacing;
+	float offset = PEER_OFFSET * d->surfels.spacing;
 	return (struct RTCRay){ .org_x = p[0] + offset * n[0],
 							.org_y = p[1] + offset * n[1],
 							.org_z = p[2] + offset * n[2],
@@ -413,7 +416,7 @@ void peer_add_emitter(const peer_discs *d, uint32_t surfel, const float drawn[3]
 	float place[3], to[3], cosine, distance;
 	for (size_t k = 0; k < 3; k++)
 		place[k] = s->position[3 * e + k] + x * d->frame[6 * e + k] + y * d->frame[6 * e + 3 + k] +
-				   OFFSET * s->spacing * n[k];
+				   PEER_OFFSET * s->spacing * n[k];
 	if (e == surfel || !sees(d, surfel, place, &cosine, &distance, to))
 		return;
 	float leaving = -dot(to, n);

@@ -12,8 +12,11 @@
 
 #include <embree3/rtcore.h>
 
-/* Neighbours of a surfel, itself among them. */
+/* Neighbours of a surfel, itself among them, for rays and filters. */
 #define PEER_NEIGHBOURS 16u
+
+/* Rays begin this far above the surface, and end as far above what they aim at, in spacings. */
+#define PEER_OFFSET 0.2f
 
 #define PEER_NOTHING UINT32_MAX
 
@@ -21,8 +24,9 @@ typedef struct peer_discs {
 	gw_surfels surfels;
 	const gw_light *lights; /* borrowed; light_count */
 	size_t light_count;
-	uint32_t *neighbour; /* PEER_NEIGHBOURS a surfel, nearest first */
 	float *frame;        /* 6 a surfel: the two axes of its plane */
+	uint32_t *neighbour; /* `neighbours` a surfel, itself among them, nearest first */
+	size_t neighbours;
 	RTCDevice device;
 	RTCScene scene;
 	uint32_t *emitter; /* emitter_count surfels that emit */
@@ -47,6 +51,15 @@ float peer_random_next(peer_random *random);
 gw_status peer_discs_make(const gw_points *points, const gw_light *lights, size_t light_count,
 						  peer_discs *discs, gw_error *error);
 void peer_discs_clear(peer_discs *discs);
+
+/* Finds so many neighbours of each surfel. GW_ERROR_MEMORY. */
+gw_status peer_discs_neighbours(peer_discs *discs, size_t neighbours, gw_error *error);
+
+/* Neighbours, and what Embree needs: before rays are traced, or light filtered. */
+gw_status peer_discs_index(peer_discs *discs, gw_error *error);
+
+/* Do two surfels face alike, so that they may be one surface? */
+bool peer_discs_alike(const peer_discs *discs, size_t i, size_t j);
 
 /* The surfel that a ray from a surfel meets from its front: PEER_NOTHING where it leaves the scene,
  * PEER_BACK where it meets a back. distance: receives how far, unless nothing is met. */

@@ -311,13 +311,13 @@ static void filter_some(void *user, size_t first, size_t last, uint32_t worker)
 	const gw_surfels *s = &f->discs->surfels;
 	(void)worker;
 	for (size_t i = first; i < last; i++) {
-		const uint32_t *near = f->discs->neighbour + i * PEER_NEIGHBOURS;
+		const uint32_t *near = f->discs->neighbour + i * f->discs->neighbours;
 		const float *p = s->position + 3 * i;
-		const float *q = s->position + 3 * (size_t)near[PEER_NEIGHBOURS - 1];
+		const float *q = s->position + 3 * (size_t)near[f->discs->neighbours - 1];
 		float reach = (p[0] - q[0]) * (p[0] - q[0]) + (p[1] - q[1]) * (p[1] - q[1]) +
 					  (p[2] - q[2]) * (p[2] - q[2]) + 1e-12f;
 		float sum[3] = { 0 }, weights = 0.0f;
-		for (size_t k = 0; k < PEER_NEIGHBOURS; k++) {
+		for (size_t k = 0; k < f->discs->neighbours; k++) {
 			float weight = likeness(s, i, near[k], reach);
 			weights += weight;
 			for (size_t c = 0; c < 3; c++)
