@@ -4,7 +4,8 @@
 #
 # One mesh has the polygons, whose fronts reflect and emit and whose backs are black. What Cycles bakes is
 # another, a small white triangle above each of their middles, which no ray but the bake's own meets:
-# each has one pixel of a picture, which receives the light that comes to it.
+# each has one pixel of a picture, which receives the light that comes to it. To corners of polygons a bake
+# is as right, but each corner is lit by itself, three of a triangle at least.
 import json
 import math
 import sys
