@@ -20,11 +20,15 @@
 #define SAMPLES 3u /* a pixel's side, of balls as well as of points */
 
 /* A ball's radius at most, in radii of free space and in diagonals of the scene. */
-#define OF_FREE 0.5
+#define OF_FREE 0.25
 #define OF_SCENE 0.01
 
 /* Radii around a camera within which no ball may be. */
 #define TOO_NEAR 3.0
+
+/* From how far off a probe is looked at that stands alone, in radii of its free space: more than
+ * TOO_NEAR * OF_FREE. */
+#define BESIDE 0.9
 
 #define ROWS 4u /* that a thread takes at a time */
 
@@ -71,12 +75,114 @@ static gw_status put_light(const probe_picture *p, loaded_scene *loaded, gw_erro
 	return GW_OK;
 }
 
+static double radius_of(const gw_probe *probe, const gw_surfels *s)
+{
+	double diagonal = 0.0;
+	for (int k = 0; k < 3; k++)
+		diagonal = hypot(diagonal, (double)s->maximum[k] - (double)s->minimum[k]);
+	return fmin(OF_FREE * (double)probe->radius, OF_SCENE * diagonal);
+}
+
+static double distance_between(const double a[3], const double b[3])
+{
+	return hypot(hypot(b[0] - a[0], b[1] - a[1]), b[2] - a[2]);
+}
+
+/* Does no surfel's disc stand between two places? */
+static bool is_open_way(const gw_surfels *s, const double from[3], const double to[3])
+{
+	for (size_t i = 0; i < s->count; i++) {
+		const float *n = s->normal + 3 * i, *p = s->position + 3 * i;
+		double along = 0.0, before = 0.0, square = 0.0;
+		for (int k = 0; k < 3; k++) {
+			along += (double)n[k] * (to[k] - from[k]);
+			before += (double)n[k] * ((double)p[k] + s->origin[k] - from[k]);
+		}
+		double t = before / along;
+		if (!(t > 0.0 && t < 1.0))
+			continue;
+		for (int k = 0; k < 3; k++) {
+			double off = from[k] + t * (to[k] - from[k]) - (double)p[k] - s->origin[k];
+			square += off * off;
+		}
+		if (square < (double)s->radius[i] * (double)s->radius[i])
+			return false;
+	}
+	return true;
+}
+
+/* Is a probe within the edges of a camera's picture? */
+static bool is_framed(const gw_camera *camera, const gw_probe *probe)
+{
+	double to[3], at[3];
+	for (int k = 0; k < 3; k++)
+		to[k] = probe->position[k] - camera->position[k];
+	gw_camera_turn(camera, to, at);
+	return at[2] > camera->near && fabs(at[1]) < camera->tangent * at[2] &&
+		   fabs(at[0]) < camera->tangent * at[2] * WIDTH / HEIGHT;
+}
+
+/* Which probe a view is to show: one that it has in sight amid the picture or, failing that, the
+ * nearest one in sight; NULL: none is. */
+static const gw_probe *find_in_sight(const drawing *d, const gw_surfels *s, const gw_camera *camera)
+{
+	const gw_probes *all = d->picture->probes;
+	const double *eye = d->plan.view[0].at;
+	const gw_probe *best = NULL;
+	for (size_t i = 0; i < all->count; i++) {
+		const gw_probe *probe = &all->probe[i];
+		double far = distance_between(eye, probe->position);
+		bool framed = is_framed(camera, probe);
+		if (far <= TOO_NEAR * radius_of(probe, s) ||
+			(!framed && best && far >= distance_between(eye, best->position)))
+			continue;
+		if (!is_open_way(s, eye, probe->position))
+			continue;
+		best = probe;
+		if (framed)
+			break;
+	}
+	return best;
+}
+
+/* The one with the most space around it. */
+static const gw_probe *find_freest(const gw_probes *all)
+{
+	const gw_probe *best = &all->probe[0];
+	for (size_t i = 1; i < all->count; i++)
+		best = all->probe[i].radius > best->radius ? &all->probe[i] : best;
+	return best;
+}
+
+/* A view that was found for the scene turns to a probe if it has none in it; from where no probe is
+ * in sight, it goes into the free space of one, with the scene behind it as it was. */
+static gw_status turn_to_probes(drawing *d, const gw_surfels *s, gw_error *error)
+{
+	gw_viewpoint *view = &d->plan.view[0];
+	gw_camera camera;
+	if (d->plan.text[0].placed || d->picture->probes->count == 0)
+		return GW_OK;
+	GW_TRY(camera_plan_camera(&d->plan, (double)s->spacing, 0, &camera, error));
+	const gw_probe *probe = find_in_sight(d, s, &camera);
+	if (probe && is_framed(&camera, probe))
+		return GW_OK;
+	if (!probe) {
+		probe = find_freest(d->picture->probes);
+		view->near = 0.0;
+		for (int k = 0; k < 3; k++)
+			view->at[k] = probe->position[k] - BESIDE * (double)probe->radius * camera.forward[k];
+	}
+	memcpy(view->to, probe->position, sizeof view->to);
+	return GW_OK;
+}
+
 static gw_status choose_points(void *user, const render_scene *scene, const gw_surfels *surfels,
 							   uint8_t *chosen, gw_error *error)
 {
 	drawing *d = user;
 	const double aspect = (double)WIDTH / (double)HEIGHT;
 	GW_TRY(camera_plan_place(&d->plan, scene, surfels, aspect, error));
+	GW_TRY(turn_to_probes(d, surfels, error));
 	return camera_plan_choose(&d->plan, surfels, aspect, chosen, error);
 }
 
@@ -103,9 +209,6 @@ static gw_status place_balls(drawing *d, gw_error *error)
 {
 	const gw_probes *p = d->picture->probes;
 	const gw_surfels *s = &d->scene.surfels;
-	double diagonal = 0.0;
-	for (int k = 0; k < 3; k++)
-		diagonal = hypot(diagonal, (double)s->maximum[k] - (double)s->minimum[k]);
 	d->balls = calloc(p->count, sizeof *d->balls);
 	d->seen = calloc(p->count, 1);
 	if (!d->balls || !d->seen)
@@ -117,7 +220,7 @@ static gw_status place_balls(drawing *d, gw_error *error)
 							   probe->position[2] - d->camera.position[2] };
 		ball *b = &d->balls[d->count];
 		b->probe = probe;
-		b->radius = fmin(OF_FREE * (double)probe->radius, OF_SCENE * diagonal);
+		b->radius = radius_of(probe, s);
 		gw_camera_turn(&d->camera, to, b->centre);
 		d->count += sqrt(to[0] * to[0] + to[1] * to[1] + to[2] * to[2]) > TOO_NEAR * b->radius;
 	}

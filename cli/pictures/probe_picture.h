@@ -19,9 +19,10 @@ typedef struct probe_picture {
 
 /*
  * Writes the picture as PNG. A ball is white and diffuse: it sends out the irradiance that the
- * probe's harmonics have for its normal, divided by pi. It is half as wide as the ball of free
+ * probe's harmonics have for its normal, divided by pi. It is a quarter as wide as the ball of free
  * space around the probe, or 2 % of the scene's diagonal where that is less. Balls that
- * the camera stands next to, within three of their radii, would hide the rest and are left out.
+ * the camera stands next to, within three of their radii, would hide the rest and are left out. A
+ * camera that is found and has no probe in its view is turned or moved to one.
  *   loaded   whose points the probes were made for; its columns are replaced, and its place moves
  * Fails as loaded_scene_read, gw_surfels_make and gw_camera_look; GW_ERROR_DATA when nothing is in
  * view.

@@ -31,3 +31,7 @@ from png_reader import pixels
 sphere = pixels("furnace.png")
 print("furnace", max(map(max, sphere)) - min(map(min, sphere)) <= 2)
 END
+# A camera that is found for the scene goes to a probe that it would not have in its view.
+make_cave --points 3000 -o cave.ply
+glowworm probes cave.ply --rays 16 --moves 0 --size 16 --count 2 --picture cave.png 2>&1 |
+	grep picture
