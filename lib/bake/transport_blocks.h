@@ -52,7 +52,8 @@ typedef struct gw_transport_block {
 	bool all;       /* GW_NONE is none of them */
 } gw_transport_block;
 
-#define GW_TRANSPORT_BLOCKS 64u
+/* As many as a scene has in which all is there that one may have (70), and some. */
+#define GW_TRANSPORT_BLOCKS 80u
 
 gw_transport_numbers gw_transport_numbers_of(const gw_scene *scene);
 
