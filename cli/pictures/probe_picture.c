@@ -30,6 +30,9 @@
  * TOO_NEAR * OF_FREE. */
 #define BESIDE 0.9
 
+/* How steeply a view turns to a probe at most, as a sine: straight up no side of a picture is. */
+#define STEEPEST 0.98
+
 #define ROWS 4u /* that a thread takes at a time */
 
 /* A ball, in the camera's frame. */
@@ -122,6 +125,16 @@ static bool is_framed(const gw_camera *camera, const gw_probe *probe)
 		   fabs(at[0]) < camera->tangent * at[2] * WIDTH / HEIGHT;
 }
 
+/* Would a picture from one place towards another one hardly have an upper side? */
+static bool is_too_steep(const drawing *d, const double from[3], const double to[3])
+{
+	double up[3], rise = 0.0;
+	gw_camera_up(d->plan.up, up);
+	for (int k = 0; k < 3; k++)
+		rise += up[k] * (to[k] - from[k]);
+	return fabs(rise) > STEEPEST * distance_between(from, to);
+}
+
 /* Which probe a view is to show: one that it has in sight amid the picture or, failing that, the
  * nearest one in sight; NULL: none is. */
 static const gw_probe *find_in_sight(const drawing *d, const gw_surfels *s, const gw_camera *camera)
@@ -134,6 +147,7 @@ static const gw_probe *find_in_sight(const drawing *d, const gw_surfels *s, cons
 		double far = distance_between(eye, probe->position);
 		bool framed = is_framed(camera, probe);
 		if (far <= TOO_NEAR * radius_of(probe, s) ||
+			(!framed && is_too_steep(d, eye, probe->position)) ||
 			(!framed && best && far >= distance_between(eye, best->position)))
 			continue;
 		if (!is_open_way(s, eye, probe->position))
