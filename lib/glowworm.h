@@ -389,7 +389,7 @@ typedef struct gw_bake_options {
 	uint32_t most_records;  /* where there would be more, records stand farther apart at first, and
 							   more are put where they disagree, nowhere nearer than record_spacing,
 							   until gathered_error is reached: so light costs no more where points
-							   are many. 0: as they come, as they also do in frames, regions, with a
+							   are many. 0: as they come, as they also do in frames, with a
 							   transport, in prepared scenes, and where rays do not gather */
 	float gathered_error;   /* of gathered light, relative, that is small enough there; 0 adds none,
 							   below 1 */

@@ -5,6 +5,7 @@
 
 #define MID_GREY 0.18
 #define METER (12.5 / 100.0) /* K / ISO */
+#define DARKENED 1.0 /* doublings by which highlights may darken all else, as a jamb beside a lamp */
 
 double preview_luminance(const float rgb[3])
 {
@@ -62,8 +63,9 @@ double preview_meter_exposure(const preview_meter *m)
 {
 	if (m->used == 0)
 		return 0.0;
-	return fmax(m->logarithms / (double)m->used - log2(METER),
-				log2(MID_GREY * find_highlight(m) / METER));
+	double middle = m->logarithms / (double)m->used - log2(METER);
+	double highlight = log2(MID_GREY * find_highlight(m) / METER);
+	return fmax(middle, fmin(highlight, middle + DARKENED));
 }
 
 double preview_exposure(const float *radiance, const float *emission, size_t count)

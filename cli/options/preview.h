@@ -20,7 +20,8 @@
 double preview_luminance(const float rgb[3]);
 
 /*
- * The exposure value that suits a picture: the larger, that is the darker, of two.
+ * The exposure value that suits a picture: the larger, that is the darker, of two, but no more than
+ * a doubling above the first.
  *
  *   mid grey     the geometric mean of the luminances becomes mid grey
  *   highlights   at most one in fifty of them is exposed above 1, what a white surface in full
@@ -28,7 +29,8 @@ double preview_luminance(const float rgb[3]);
  *
  * The first is right for scenes that are lit all over. Where most is dark, as in a cave with a
  * lamp, it takes the dark for mid grey and burns out what the lamp shines at; then the second
- * holds. With mid grey m = 0.18 and the meter's 0.125, L98 the luminance that one in fifty
+ * holds. A jamb or a leg beside the lamp may be burnt out, where all else would be too dark to see:
+ * the geometric mean stays at half of mid grey or above. With mid grey m = 0.18 and the meter's 0.125, L98 the luminance that one in fifty
  * exceeds: m / (0.125 2^EV) L98 <= 1, so EV >= log2(m L98 / 0.125). L98 is rounded up to the next
  * 1/32 of a doubling.
  *

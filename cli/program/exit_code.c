@@ -1,6 +1,7 @@
 #include "program/exit_code.h"
 
 #include <errno.h>
+#include <poll.h>
 #include <signal.h>
 #include <string.h>
 
@@ -54,11 +55,21 @@ int exit_code_describe(int i, const char **meaning)
 	return table[i].code;
 }
 
+/* Whether it is a pipe that nobody reads any more. */
+static bool is_unread(FILE *printed)
+{
+	struct pollfd end = { .fd = fileno(printed), .events = POLLOUT };
+	return poll(&end, 1, 0) == 1 && (end.revents & POLLERR);
+}
+
 gw_status exit_code_flush(FILE *printed, gw_error *error)
 {
 	errno = 0;
 	if (fflush(printed) == 0 && !ferror(printed))
 		return GW_OK;
+	error->text[0] = '\0';
+	if (is_unread(printed))
+		return FILE_ERROR_IO;
 	return gw_fail(error, FILE_ERROR_IO, "standard output cannot be written: %s",
 				   strerror(errno ? errno : EIO));
 }

@@ -29,7 +29,8 @@ typedef enum exit_code {
 int exit_code_of(gw_status status, int signal);
 
 /* Hands all that was printed to the system. FILE_ERROR_IO when some of it has not arrived, now or
- * earlier: a full disk or a closed pipe is a failure. */
+ * earlier: a full disk or a closed pipe is a failure. Of a closed pipe the error's text is empty:
+ * who reads the beginning (`| head`) knows what is missing. */
 gw_status exit_code_flush(FILE *printed, gw_error *error);
 
 /* What each code means, for the manual: the i-th code, or -1 behind the last one. */

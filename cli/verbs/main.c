@@ -127,7 +127,8 @@ static int run_program(int count, char **argument)
 	gw_status status = run(count - 1, argument + 1, &error);
 	if (status == GW_OK)
 		status = exit_code_flush(stdout, &error);
-	if (status != GW_OK && (status != GW_ERROR_CANCELLED || ranks_speak()))
+	bool said = error.text[0] != '\0' && (status != GW_ERROR_CANCELLED || ranks_speak());
+	if (status != GW_OK && said)
 		text_message(stderr, "glowworm: %s\n", error.text);
 	return exit_code_of(status, signals_pending());
 }

@@ -113,17 +113,25 @@ static gw_status find_gaps(bake *b, gw_error *error)
 	return gw_scene_find_space(&b->scene, b->points, error);
 }
 
+/* Of a region it is known only by its records what lamps have to shine on. */
+static bool waits_for_records(const bake *b)
+{
+	return b->scene.region.asked && b->light.plan.records;
+}
+
 /* Cuts and bends of discs go when the octree is made of them, unless another one may follow. Lamps
- * light large discs by them, each lamp again where columns of lamps are asked for, and where lamps
- * shine the estimate bends discs as well. lit: by the lamps. */
+ * light large discs by them, each lamp again where columns of lamps are asked for and all where
+ * records of a region may be placed anew, and where lamps shine the estimate bends discs as well.
+ * lit: by the lamps. */
 static void drop_shapes(bake *b, bool lit)
 {
 	gw_scene *scene = &b->scene;
 	gw_surfels *s = &scene->surfels;
 	bool again = gw_options_refine(&scene->options) || keeps_transport(b) ||
 				 gw_compartments_are_coarser(&scene->octree, s);
+	bool relit = scene->options.lamps || waits_for_records(b);
 	bool large = b->light.plan.lamps && scene->octree.tree_discs > 0;
-	if (again || (large && (!lit || scene->options.lamps)))
+	if (again || (large && (!lit || relit)))
 		return;
 	free(s->clip);
 	s->clip = NULL;
@@ -286,20 +294,15 @@ static bool needs_octree(const bake *b)
 	return needs_surface(b) && (b->light.plan.octree || b->light.plan.lamps);
 }
 
-/* Of a region it is known only by its records what lamps have to shine on. */
-static bool waits_for_records(const bake *b)
-{
-	return b->scene.region.asked && b->light.plan.records;
-}
-
 static bool needs_lamplight(const bake *b)
 {
 	return b->light.plan.lamps && !waits_for_records(b);
 }
 
+/* What records are added to depends on the same surface. */
 static bool needs_late_lamplight(const bake *b)
 {
-	return b->light.plan.lamps && waits_for_records(b);
+	return b->light.plan.lamps && waits_for_records(b) && !b->scene.density.facet_spacing;
 }
 
 static bool needs_records(const bake *b)

@@ -31,7 +31,7 @@ float gw_options_bounce_tolerance(const gw_bake_options *o)
 bool gw_options_few_records(const gw_bake_options *o)
 {
 	bool known = o->estimate_points > 0 || !(o->gathered_error > 0.0f);
-	return o->method == GW_METHOD_RAYS && o->record_spacing > 0.0f && !o->region && known;
+	return o->method == GW_METHOD_RAYS && o->record_spacing > 0.0f && known;
 }
 
 gw_bake_options gw_options_effective(const gw_bake_options *options)

@@ -33,7 +33,8 @@ typedef struct placing {
 	uint32_t traced; /* records that there were before these */
 } placing;
 
-/* The spacing of a bake of the whole: where records would be few, they stand closer. */
+/* The spacing of a bake of the whole: where records would be few, they stand closer, and where they
+ * would be many, farther apart at first. */
 static gw_status choose_spacing(const placing *p, float *spacing, gw_error *error)
 {
 	gw_scene *s = p->scene;
@@ -42,8 +43,9 @@ static gw_status choose_spacing(const placing *p, float *spacing, gw_error *erro
 	*spacing = fmaxf(wish.spacing, GW_RECORD_SPACING_LEAST);
 	for (size_t slot = 0; slot < 2 * p->needed.leaves; slot++)
 		area += (double)p->needed.centre[4 * slot + 3];
-	/* Half of what is expected leaves room for what is not flat. */
-	if (DARTS * area / ((double)*spacing * (double)*spacing) > 2.0 * wish.least)
+	/* A factor of 2 either way leaves room for what is not flat. */
+	double expected = DARTS * area / ((double)*spacing * (double)*spacing);
+	if (expected > 2.0 * wish.least && (wish.most == 0 || 2.0 * expected < wish.most))
 		return GW_OK;
 	const gw_record_context on = gw_scene_context(s, &s->records);
 	GW_TRY(gw_records_place(&on, &wish, error));

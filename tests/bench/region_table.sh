@@ -26,29 +26,36 @@ off() {
 		head -1
 }
 
-whole() {
-	"$glowworm" bake "$1.scene.json" -q -f -o "$1-whole.ply" --report "$1-whole.json"
+# A bake; its seconds of the processor go to OUTPUT.seconds.
+bake() { # scene output
+	local scene=$1 to=$2 TIMEFORMAT='%U %S'
+	shift 2
+	{
+		time "$glowworm" bake "$scene.scene.json" -q -f -o "$to.ply" --report "$to.json" "$@" 2>&3
+	} 3>&2 2>"$to.seconds"
 }
 
+seconds() { awk '{ print $1 + $2 }' "$1.seconds"; }
+
 row() { # scene name region
-	"$glowworm" bake "$1.scene.json" -q -f -o part.ply --report part.json --region "$3"
+	bake "$1" part --region "$3"
 	all=$(count_records part.json)
 	own=$(sed -nE 's/.*"region": .*"records": ([0-9]+).*/\1/p' part.json)
 	needed=$(figure facets_needed part.json)
 	facets=$(sed -nE 's/.*"facets_needed".*"facets": ([0-9]+).*/\1/p' part.json)
 	printf '| %s | %s | %s | %s | %s | %s %% | %.1f | %.1f | %s %% | %s +- %s %% |\n' "$2" \
 		"$(figure points part.json)" "$own" $((all - own)) "$(count_records "$1-whole.json")" \
-		"$(percent "$(awk "BEGIN { print $needed / $facets }")")" "$(figure bake part.json)" \
-		"$(figure bake "$1-whole.json")" "$(percent "$(off "$1-whole.ply" part.ply)")" \
+		"$(percent "$(awk "BEGIN { print $needed / $facets }")")" \
+		"$(seconds part)" "$(seconds "$1-whole")" "$(percent "$(off "$1-whole.ply" part.ply)")" \
 		"$(percent "$(figure gathered part.json)")" "$(percent "$(figure spread part.json)")"
 }
 
-echo "| region | points | primary records | secondary | of the whole | surface needed | s |" \
+echo "| region | points | primary records | secondary | of the whole | surface needed | processor, s |" \
 	"whole, s | apart | gathered, stated |"
 echo '|---|---|---|---|---|---|---|---|---|---|'
-whole cave
+bake cave cave-whole
 row cave 'cave, a tenth of it' 'box 21,-10,-2 27,15,8'
 row cave 'cave, a camera' 'camera at 27.1,-4.5,1.1 to 32.5,-6.7,1.1 fov 55'
-whole box
+bake box box-whole
 row box 'Cornell box, a wall' 'box 0,0,0 0.001,1,1'
 row box 'Cornell box, a camera' 'camera at 0.5,0.5,0.5 to 1,0.5,0.5 fov 60'

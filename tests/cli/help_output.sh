@@ -17,3 +17,8 @@ glowworm bake --help >/dev/full
 echo "full disk: $?"
 glowworm
 echo "no arguments: $?"
+# Who reads the beginning alone is told nothing more.
+mkfifo pipe
+exec 3<>pipe 4>pipe 3<&-
+glowworm bake --help >&4
+echo "nobody reads: $?"

@@ -275,6 +275,49 @@ static void test_scene_of_region(void **state)
 	scene_clear(&s);
 }
 
+/* A coarse room about a ball whose points are much denser: discs of the walls are too large for
+ * leaves, and lamps shine on them by themselves, whenever records are placed anew. */
+static void make_uneven(scene *s)
+{
+	*s = (scene){ 0 };
+	scene_add_box(s, (double[3]){ 0, 0, 0 }, (double[3]){ 2, 2, 2 }, 3, 0.5f);
+	scene_add_sphere(s, (double[3]){ 1, 1, 0.5 }, 0.05, 280, 1, 0.5f);
+}
+
+/* A region begins with the spacing of a whole bake that has few records, and adds some where they
+ * disagree. */
+static void test_few_records(void **state)
+{
+	(void)state;
+	scene s;
+	make_uneven(&s);
+	const gw_points points = scene_points(&s);
+	const gw_light lights[] = { scene_point_light(0.5, 1.0, 1.5, 4.0f), sky };
+	gw_bake_options options = gw_bake_options_default();
+	uint8_t *chosen = choose_side(&s, 1.0);
+	options.least_records = options.most_records = 0;
+	gw_bake_result *all = scene_bake(&points, lights, 2, &options);
+	options.most_records = (uint32_t)all->report.records / 3;
+	options.gathered_error = 0.0f;
+	gw_bake_result *few = scene_bake(&points, lights, 2, &options);
+	gw_bake_result *part = bake_part(&points, lights, 2, &options, chosen);
+	assert_true(few->report.record_spacing > all->report.record_spacing);
+	assert_true(part->report.record_spacing == few->report.record_spacing);
+	options.gathered_error = 1e-6f; /* out of reach: as close as others stand */
+	gw_bake_result *more = bake_part(&points, lights, 2, &options, chosen);
+	assert_true(more->report.round_count >= 2);
+	assert_true(more->report.records > part->report.records);
+	expect_dark_outside(more, chosen);
+	assert_true(difference(&s, more, all, chosen) < most_apart(more, all));
+	gw_bake_result *const every[] = { all, few, part, more };
+	for (size_t i = 0; i < sizeof every / sizeof *every; i++) {
+		gw_bake_result *result = every[i];
+		gw_bake_result_destroy(&result);
+	}
+	free(chosen);
+	scene_clear(&s);
+}
+
 /* Refining puts more records into the region until its error is as small as asked. */
 static void test_refined(void **state)
 {
@@ -341,10 +384,11 @@ static void test_refused(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_same_light), cmocka_unit_test(test_region_of_all),
-		cmocka_unit_test(test_threads),    cmocka_unit_test(test_rooms_apart),
-		cmocka_unit_test(test_camera),     cmocka_unit_test(test_scene_of_region),
-		cmocka_unit_test(test_refined),    cmocka_unit_test(test_refused),
+		cmocka_unit_test(test_same_light),      cmocka_unit_test(test_region_of_all),
+		cmocka_unit_test(test_threads),         cmocka_unit_test(test_rooms_apart),
+		cmocka_unit_test(test_camera),          cmocka_unit_test(test_few_records),
+		cmocka_unit_test(test_scene_of_region), cmocka_unit_test(test_refined),
+		cmocka_unit_test(test_refused),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

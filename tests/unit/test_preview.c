@@ -57,14 +57,14 @@ static void test_exposure_ignores_darkness(void **state)
 	assert_near(preview_exposure(dark, NULL, 2), 0.0, 0.0);
 }
 
-/* 90 dark points and 10 bright ones: mid grey of all would expose the bright ones at 16, so the
+/* 90 dim points and 10 bright ones: mid grey of all would expose the bright ones at 1.2, so the
  * highlights decide: they come out at 1, or up to a bin of 1/32 doubling below. */
 static void test_exposure_keeps_highlights(void **state)
 {
 	(void)state;
 	float radiance[300];
 	for (int i = 0; i < 300; i++)
-		radiance[i] = i < 270 ? 0.01f : 8.0f;
+		radiance[i] = i < 270 ? 1.0f : 8.0f;
 	double lit = 8.0 * preview_scale(preview_exposure(radiance, NULL, 100));
 	if (!(lit <= 1.0 + ROUNDING && lit >= exp2(-1.0 / 32.0)))
 		fail_msg("exposed at %g", lit);
@@ -73,10 +73,22 @@ static void test_exposure_keeps_highlights(void **state)
 		radiance[i] = i < 294 ? 8.0f : 1000.0f;
 	assert_near(8.0 * preview_scale(preview_exposure(radiance, NULL, 100)), lit, ROUNDING);
 	for (int i = 270; i < 300; i++)
-		radiance[i] = i < 291 ? 8.0f : 1000.0f;
-	double burnt = 1000.0 * preview_scale(preview_exposure(radiance, NULL, 100));
-	if (!(burnt <= 1.0 + ROUNDING))
-		fail_msg("three in a hundred are exposed at %g", burnt);
+		radiance[i] = i < 291 ? 8.0f : 12.0f;
+	double bright = 12.0 * preview_scale(preview_exposure(radiance, NULL, 100));
+	if (!(bright <= 1.0 + ROUNDING))
+		fail_msg("three in a hundred are exposed at %g", bright);
+}
+
+/* The same where highlights are 1,600 times as bright as all else: they darken the geometric mean
+ * to half of mid grey, and are burnt. */
+static void test_exposure_keeps_the_rest(void **state)
+{
+	(void)state;
+	float radiance[300];
+	for (int i = 0; i < 300; i++)
+		radiance[i] = i < 270 ? 0.5f : 800.0f;
+	double mean = pow(0.5, 0.9) * pow(800.0, 0.1);
+	assert_near(mean * preview_scale(preview_exposure(radiance, NULL, 100)), 0.09, ROUNDING);
 }
 
 /* A lamp in the picture does not count, unless there is nothing else. */
@@ -163,6 +175,7 @@ int main(void)
 		cmocka_unit_test(test_exposure_is_log_average),
 		cmocka_unit_test(test_exposure_ignores_darkness),
 		cmocka_unit_test(test_exposure_keeps_highlights),
+		cmocka_unit_test(test_exposure_keeps_the_rest),
 		cmocka_unit_test(test_exposure_ignores_emission),
 		cmocka_unit_test(test_other_tones),
 		cmocka_unit_test(test_tone_map_of_grey),
