@@ -30,9 +30,11 @@ double preview_luminance(const float rgb[3]);
  * The first is right for scenes that are lit all over. Where most is dark, as in a cave with a
  * lamp, it takes the dark for mid grey and burns out what the lamp shines at; then the second
  * holds. A jamb or a leg beside the lamp may be burnt out, where all else would be too dark to see:
- * the geometric mean stays at half of mid grey or above. With mid grey m = 0.18 and the meter's 0.125, L98 the luminance that one in fifty
- * exceeds: m / (0.125 2^EV) L98 <= 1, so EV >= log2(m L98 / 0.125). L98 is rounded up to the next
- * 1/32 of a doubling.
+ * the geometric mean stays at half of mid grey or above.
+ *
+ * With mid grey m = 0.18 and the meter's 0.125, L98 the luminance that one in fifty exceeds:
+ * m / (0.125 2^EV) L98 <= 1, so EV >= log2(m L98 / 0.125). L98 is rounded up to the next 1/32 of a
+ * doubling.
  *
  * Only luminances above 1/10000 of their arithmetic mean count, or traces of light in the dark
  * would decide. Light that surfaces make themselves is taken off, or a lamp in the picture would

@@ -50,8 +50,8 @@ row() { # scene name region
 		"$(percent "$(figure gathered part.json)")" "$(percent "$(figure spread part.json)")"
 }
 
-echo "| region | points | primary records | secondary | of the whole | surface needed | processor, s |" \
-	"whole, s | apart | gathered, stated |"
+echo "| region | points | primary records | secondary | of the whole | surface needed |" \
+	"processor, s | whole, s | apart | gathered, stated |"
 echo '|---|---|---|---|---|---|---|---|---|---|'
 bake cave cave-whole
 row cave 'cave, a tenth of it' 'box 21,-10,-2 27,15,8'
