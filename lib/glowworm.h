@@ -104,6 +104,17 @@ typedef struct gw_range_image {
 	double scanner[3];      /* where all its rays begin */
 } gw_range_image;
 
+/* Points that stand as others do, moved as one: an object in one of the places where it stands.
+ * Surfels of an object are made once, by themselves, and placed everywhere: what touches it alters
+ * neither its discs nor the other's. */
+typedef struct gw_object_instance {
+	size_t first, count; /* first .. first + count - 1 */
+	size_t of;           /* whose surfels it has: an instance before it with as many points in the
+							same order, which is its own, or itself */
+	double matrix[16];   /* row-major: from where that one stands to here. It may turn, mirror, move
+							and scale evenly */
+} gw_object_instance;
+
 /* The points of one scene. Nothing here is modified or kept after gw_bake returns. */
 typedef struct gw_points {
 	size_t count;           /* number of points; 0 is an error */
@@ -138,6 +149,11 @@ typedef struct gw_points {
 								point down; 0: z. Tells sides of surface where nothing else does */
 	bool normal_sideless;    /* normals may be turned around, all of them: nobody knows which way is
 								the front, which is found as for those that are estimated */
+	const gw_object_instance
+		*instance; /* instance_count, ascending, without points in common; may be NULL.
+					  All but places and scanners is the same for points that repeat
+					  others. Not asked in frames, where what moves is a mover */
+	size_t instance_count;
 } gw_points;
 
 /* Points that belong to no surface are strays. They get the light of the surface nearest to them,

@@ -5,7 +5,7 @@
 
 #define MID_GREY 0.18
 #define METER (12.5 / 100.0) /* K / ISO */
-#define DARKENED 1.0 /* doublings by which highlights may darken all else, as a jamb beside a lamp */
+#define DARKENED 1.0         /* doublings by which highlights darken all else at most */
 
 double preview_luminance(const float rgb[3])
 {

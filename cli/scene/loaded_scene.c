@@ -1,4 +1,6 @@
 #include "scene/loaded_scene.h"
+
+#include "scene/scene_instances.h"
 #include "scene/floor_places.h"
 #include "scene/sky_light.h"
 #include "glowworm_picture.h"
@@ -781,7 +783,9 @@ static void point_out(const settings *s, loaded_scene *scene)
 							 .scanner_of = scene->cloud.scanner_of,
 							 .image = scene->cloud.image,
 							 .image_count = scene->cloud.image_count,
-							 .image_cell = scene->cloud.image_cell };
+							 .image_cell = scene->cloud.image_cell,
+							 .instance = scene->instance,
+							 .instance_count = scene->instance_count };
 }
 
 gw_status loaded_scene_read(const settings *s, loaded_scene *scene, gw_error *error)
@@ -806,6 +810,8 @@ gw_status loaded_scene_read_parted(const settings *s, parted_cloud *parted, load
 	status = place_scanners(scene, error);
 	if (status == GW_OK)
 		status = notice_up(s, scene, error);
+	if (status == GW_OK)
+		status = scene_instances_list(s, scene, &scene->instance, &scene->instance_count, error);
 	if (status != GW_OK) {
 		loaded_scene_clear(scene);
 		return status;
@@ -856,6 +862,7 @@ void loaded_scene_clear(loaded_scene *scene)
 	free(scene->light);
 	free(scene->input);
 	free(scene->scanner);
+	free(scene->instance);
 	coordinates_clear(&scene->place);
 	*scene = (loaded_scene){ .place = coordinates_metres() };
 }

@@ -40,6 +40,8 @@ typedef struct loaded_scene {
 	bool says_up;         /* an input says so itself */
 	coordinates place;    /* owned; from the cloud's coordinates to those of `points`, metres */
 	parted_cloud *parted; /* NULL; or of which file the cloud is a part, spread over it */
+	gw_object_instance *instance; /* owned; instance_count: see scene_instances.h */
+	size_t instance_count;
 	double *scanner; /* owned; the cloud's scanners in metres, or NULL when those are the same */
 } loaded_scene;
 

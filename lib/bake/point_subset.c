@@ -28,10 +28,42 @@ static bool is_chosen(const gw_points *points, const gw_subset_choice *choice, s
 		   cell / image->columns % choice->rows == 0;
 }
 
-/* Lists those chosen; images keep their place among them. */
+/* The instance that a point belongs to, or NULL, likewise. */
+static gw_object_instance *instance_of(const gw_points *points, size_t point, size_t *instance,
+									   gw_object_instance *parts)
+{
+	while (*instance < points->instance_count &&
+		   point >= points->instance[*instance].first + points->instance[*instance].count)
+		++*instance;
+	bool within = *instance < points->instance_count && point >= points->instance[*instance].first;
+	return within ? &parts[*instance] : NULL;
+}
+
+/* The point that a point of an instance repeats, or itself. */
+static size_t repeated(const gw_points *points, size_t point, size_t instance, const void *within)
+{
+	if (!within)
+		return point;
+	const gw_object_instance *own = &points->instance[instance];
+	return points->instance[own->of].first + point - own->first;
+}
+
+/* Of instances of which nothing is left, nothing is to be repeated: they are points like others. */
+static void finish_instances(gw_point_subset *subset)
+{
+	for (size_t k = 0; k < subset->points.instance_count; k++)
+		if (subset->instance[k].count == 0)
+			subset->points.instance_count = 0;
+}
+
+/* Lists those chosen; images and instances keep their place among them. */
 static void choose(const gw_points *points, const gw_subset_choice *choice, gw_point_subset *subset)
 {
-	size_t image = 0, count = 0;
+	size_t image = 0, instance = 0, count = 0;
+	for (size_t k = 0; k < points->instance_count; k++) {
+		subset->instance[k] = points->instance[k];
+		subset->instance[k].count = 0;
+	}
 	for (size_t k = 0; k < points->image_count; k++) {
 		gw_range_image *part = &subset->image[k];
 		*part = points->image[k];
@@ -41,8 +73,11 @@ static void choose(const gw_points *points, const gw_subset_choice *choice, gw_p
 	}
 	for (size_t i = 0; i < points->count; i++) {
 		const gw_range_image *own = gw_point_subset_image_of(points, i, &image);
-		if (!is_chosen(points, choice, i, own))
+		gw_object_instance *placed = instance_of(points, i, &instance, subset->instance);
+		if (!is_chosen(points, choice, repeated(points, i, instance, placed), own))
 			continue;
+		if (placed && placed->count++ == 0)
+			placed->first = count;
 		gw_range_image *part = own ? &subset->image[image] : NULL;
 		if (part && part->count++ == 0)
 			part->first = count;
@@ -53,6 +88,7 @@ static void choose(const gw_points *points, const gw_subset_choice *choice, gw_p
 		subset->from[count++] = i;
 	}
 	subset->points.count = count;
+	finish_instances(subset);
 }
 
 /* The rows of those chosen; NULL where there are none to copy, or no memory, which *good tells. */
@@ -82,6 +118,7 @@ static bool copy_all(const gw_points *all, gw_point_subset *subset)
 		copy_rows(subset, all->scanner_of, sizeof(uint32_t), &good);
 	p->stray = subset->stray = copy_rows(subset, all->stray, 1, &good);
 	p->image = subset->image;
+	p->instance = subset->instance;
 	p->image_cell = all->image_cell ? subset->image_cell : NULL;
 	return good;
 }
@@ -98,7 +135,8 @@ gw_status gw_point_subset_make(const gw_points *points, const gw_subset_choice *
 	subset->from = gw_allocate_array(points->count, sizeof *subset->from);
 	subset->image_cell = gw_allocate_array(points->count, sizeof *subset->image_cell);
 	subset->image = gw_allocate_array(points->image_count + 1, sizeof *subset->image);
-	bool good = subset->from && subset->image_cell && subset->image;
+	subset->instance = gw_allocate_array(points->instance_count + 1, sizeof *subset->instance);
+	bool good = subset->from && subset->image_cell && subset->image && subset->instance;
 	if (good) {
 		choose(points, choice, subset);
 		good = copy_all(points, subset);
@@ -126,6 +164,7 @@ void gw_point_subset_clear(gw_point_subset *subset)
 	free(subset->scanner_of);
 	free(subset->image_cell);
 	free(subset->image);
+	free(subset->instance);
 	free(subset->stray);
 	free(subset->asked);
 	*subset = (gw_point_subset){ .from = NULL };

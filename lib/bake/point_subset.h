@@ -14,12 +14,14 @@ typedef struct gw_point_subset {
 	float *opacity, *own_area, *beam_share;
 	uint32_t *scanner_of, *image_cell;
 	gw_range_image *image;
+	gw_object_instance *instance;
 	uint8_t *stray;
 	uint8_t *asked; /* NULL: all; those whose light is asked for */
 } gw_point_subset;
 
 /* Which points are taken. Of points in rows and columns every column and row whose number these
- * two divide, so that they are rows and columns still; of others those that `takes` says. */
+ * two divide, so that they are rows and columns still; of others those that `takes` says. Of an
+ * object that stands in several places the same ones in each of them. */
 typedef struct gw_subset_choice {
 	uint32_t columns, rows; /* at least 1 */
 	bool (*takes)(const void *user, size_t point);

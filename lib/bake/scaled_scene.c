@@ -118,6 +118,19 @@ static float *scaled_areas(const float *area, size_t count, int exponent)
 	return copy;
 }
 
+/* Instances, whose matrices move by lengths. */
+static gw_object_instance *scaled_instances(const gw_object_instance *instance, size_t count,
+											int exponent)
+{
+	gw_object_instance *copy = gw_allocate_array(count, sizeof *copy);
+	for (size_t i = 0; copy && i < count; i++) {
+		copy[i] = instance[i];
+		for (size_t row = 0; row < 3; row++)
+			copy[i].matrix[4 * row + 3] = ldexp(instance[i].matrix[4 * row + 3], exponent);
+	}
+	return copy;
+}
+
 /* The power of two by which a lamp is too far off. */
 static int excess_of_distance(const gw_light *light, const gw_scaled_scene *scaled)
 {
@@ -298,7 +311,11 @@ gw_status gw_scaled_scene_make(const gw_scene_description *scene, const gw_bake_
 	if (points->own_area)
 		p->own_area = scaled->own_area =
 			scaled_areas(points->own_area, points->count, 2 * scaled->length);
-	if (!p->position || (points->scanner && !p->scanner) || (points->emission && !p->emission) ||
+	if (points->instance_count > 0)
+		p->instance = scaled->instance =
+			scaled_instances(points->instance, points->instance_count, scaled->length);
+	if (!p->position || (points->instance_count > 0 && !p->instance) ||
+		(points->scanner && !p->scanner) || (points->emission && !p->emission) ||
 		(points->own_area && !p->own_area))
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu points in other units",
 					   points->count);
@@ -327,6 +344,7 @@ void gw_scaled_scene_clear(gw_scaled_scene *scaled)
 	free(scaled->scanner);
 	free(scaled->emission);
 	free(scaled->own_area);
+	free(scaled->instance);
 	*scaled = (gw_scaled_scene){ .length = 0 };
 }
 

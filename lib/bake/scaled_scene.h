@@ -25,6 +25,7 @@ typedef struct gw_scaled_scene {
 	double *position, *scanner; /* of points, where they are copies */
 	double *visible;            /* the same of points of which some are invisible: without these */
 	float *emission, *own_area;
+	gw_object_instance *instance;
 	gw_region region; /* of options, where its camera is a copy: */
 	gw_camera camera;
 } gw_scaled_scene;

@@ -12,6 +12,7 @@
 #include "bake/report.h"
 #include "cloud/strays.h"
 #include "cloud/frame.h"
+#include "surfels/surfel_parts.h"
 #include "surfels/surface_holes.h"
 
 #include <inttypes.h>
@@ -266,7 +267,7 @@ gw_status gw_scene_make_surfels(gw_scene *scene, const gw_scene_description *fro
 {
 	const gw_surfels_options options =
 		gw_scene_surfels_options(scene, from->lights, from->light_count);
-	GW_TRY(gw_surfels_make(from->points, &options, &scene->surfels, error));
+	GW_TRY(gw_placed_surfels_make(from->points, &options, &scene->surfels, error));
 	scene->surfels.emission_alone = gw_scene_emission_is_alone(scene);
 	gw_report_surfels(scene->report, &scene->surfels, from->points);
 	free(scene->surfels.normal_length); /* light has no use for it */

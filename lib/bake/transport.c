@@ -66,7 +66,9 @@ gw_transport_identity gw_transport_identify(const gw_points *p)
 	}
 	scanner ^= hash_array(p->image_count ? p->image_cell : NULL, p->count, sizeof *p->image_cell);
 	return (gw_transport_identity){
-		.position = hash_array(p->position, p->count, 3 * sizeof *p->position),
+		.position = hash_array(p->position, p->count, 3 * sizeof *p->position) ^
+					hash_array(p->instance_count ? p->instance : NULL, p->instance_count,
+							   sizeof *p->instance),
 		.normal = hash_array(p->normal, p->count, 3 * sizeof *p->normal) ^ p->normal_sideless,
 		.albedo = hash_array(p->albedo, p->count, 3 * sizeof *p->albedo),
 		.opacity = hash_array(p->opacity, p->count, sizeof *p->opacity),

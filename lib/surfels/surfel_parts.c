@@ -68,29 +68,37 @@ static bool is_even(const double m[16])
 	return even && m[12] == 0.0 && m[13] == 0.0 && m[14] == 0.0 && m[15] == 1.0;
 }
 
-gw_status gw_motion_check(const gw_points *points, const gw_motion *motion, gw_error *error)
+/* kind   what movers are called */
+static gw_status check_movers(const gw_points *points, const gw_motion *motion, const char *kind,
+							  gw_error *error)
 {
 	size_t end = 0;
-	if (motion->frame_count == 0)
-		return gw_fail(error, GW_ERROR_USAGE, "the motion has no frames; it needs at least one");
 	for (size_t i = 0; i < motion->mover_count; i++) {
 		const gw_mover *mover = &motion->mover[i];
 		if (mover->first < end || mover->count == 0 || mover->first > points->count ||
 			mover->count > points->count - mover->first)
 			return gw_fail(error, GW_ERROR_USAGE,
-						   "mover %zu is points %zu to %zu of %zu: movers need points of their "
-						   "own, in ascending order",
-						   i + 1, mover->first, mover->first + mover->count, points->count);
+						   "%s %zu is points %zu to %zu of %zu: %ss need points of their own, in "
+						   "ascending order",
+						   kind, i + 1, mover->first, mover->first + mover->count, points->count,
+						   kind);
 		end = mover->first + mover->count;
 	}
 	for (size_t f = 0; f < motion->frame_count; f++)
 		for (size_t i = 0; i < motion->mover_count; i++)
 			if (!is_even(matrix_of(motion, f, i)))
 				return gw_fail(error, GW_ERROR_DATA,
-							   "mover %zu is stretched, skewed or flattened in frame %zu; over the "
-							   "frames it may be moved, turned and scaled evenly",
-							   i + 1, f);
+							   "%s %zu is stretched, skewed or flattened in frame %zu; it may be "
+							   "moved, turned and scaled evenly",
+							   kind, i + 1, f);
 	return GW_OK;
+}
+
+gw_status gw_motion_check(const gw_points *points, const gw_motion *motion, gw_error *error)
+{
+	if (motion->frame_count == 0)
+		return gw_fail(error, GW_ERROR_USAGE, "the motion has no frames; it needs at least one");
+	return check_movers(points, motion, "mover", error);
 }
 
 /* ------------------------------------------------------------------------------------- making */
@@ -225,6 +233,7 @@ static bool append_part(gw_surfels *all, gw_surfels *part)
 {
 	size_t n = all->count, m = part->count, v = 3 * sizeof(float);
 	if (n == 0) {
+		all->up = part->up;
 		all->seen_from_above = part->seen_from_above;
 		memcpy(all->origin, part->origin, sizeof all->origin);
 		memcpy(all->minimum, part->minimum, sizeof all->minimum);
@@ -263,6 +272,12 @@ static void number_points(uint32_t *all, const uint32_t *of, size_t count, size_
 		all[i] = of[i] == UINT32_MAX ? UINT32_MAX : (uint32_t)(base + of[i]);
 }
 
+/* The surfels that a mover has, as they were made. */
+static gw_surfels *own_of(const gw_surfel_parts *parts, size_t mover)
+{
+	return &parts->own[parts->of[mover]];
+}
+
 static bool number_all(const gw_points *points, const gw_motion *motion, const uint32_t *still,
 					   const gw_surfel_parts *parts, gw_surfels *all)
 {
@@ -277,7 +292,7 @@ static bool number_all(const gw_points *points, const gw_motion *motion, const u
 		still += end - at;
 		if (i == motion->mover_count)
 			break;
-		const gw_surfels *own = &parts->own[i];
+		const gw_surfels *own = own_of(parts, i);
 		number_points(all->surfel_of_point + end, own->surfel_of_point, own->point_count, base);
 		base += own->count;
 		at = end + motion->mover[i].count;
@@ -289,7 +304,7 @@ static bool number_all(const gw_points *points, const gw_motion *motion, const u
 static void widen_bounds(const gw_surfel_parts *parts, const gw_motion *motion, gw_surfels *all)
 {
 	for (size_t job = 0; job < motion->frame_count * motion->mover_count; job++) {
-		const gw_surfels *own = &parts->own[job % motion->mover_count];
+		const gw_surfels *own = own_of(parts, job % motion->mover_count);
 		similarity s = similarity_of(motion->matrix + 16 * job);
 		for (unsigned corner = 0; corner < 8; corner++) {
 			double at[3], to[3];
@@ -346,6 +361,7 @@ typedef struct source {
 	const gw_points *points;
 	const gw_motion *motion;
 	const gw_surfels_options *options;
+	const gw_object_instance *instance; /* NULL, or the movers as such: some have those of others */
 } source;
 
 /* Surfels of what stands still, without the array of points. */
@@ -364,6 +380,25 @@ static gw_status make_still(const source *from, size_t still, gw_surfels *all, u
 	return status;
 }
 
+/* A mover's surfels, or those of the mover whose it has, behind all that were made before. */
+static gw_status make_mover(const source *from, size_t mover, gw_surfel_parts *parts,
+							gw_surfels *all, gw_error *error)
+{
+	const gw_mover *points = &from->motion->mover[mover];
+	size_t base = all->count;
+	parts->of[mover] = from->instance ? from->instance[mover].of : mover;
+	if (parts->of[mover] == mover) {
+		some_points some = take_mover(from->points, points);
+		GW_TRY(gw_surfels_make(&some.points, from->options, &parts->own[mover], error));
+	}
+	parts->own_count++;
+	gw_surfels *own = own_of(parts, mover);
+	if (append_part(all, own) && append_strays(own, points, base, all))
+		return GW_OK;
+	return gw_fail(error, GW_ERROR_MEMORY, "no memory for the surfels of %zu points",
+				   from->points->count);
+}
+
 static gw_status make_parts(const source *from, gw_surfel_parts *parts, gw_surfels *all,
 							uint32_t **number, gw_error *error)
 {
@@ -372,45 +407,38 @@ static gw_status make_parts(const source *from, gw_surfel_parts *parts, gw_surfe
 	size_t still = points->count;
 	for (size_t i = 0; i < motion->mover_count; i++)
 		still -= motion->mover[i].count;
-	gw_status status = make_still(from, still, all, number, error);
+	GW_TRY(make_still(from, still, all, number, error));
 	number_still_strays(motion, all);
 	parts->still = all->count;
 	parts->own = gw_allocate_zeros(motion->mover_count + 1, sizeof *parts->own);
-	bool good = parts->own != NULL;
-	for (size_t i = 0; i < motion->mover_count && status == GW_OK && good; i++) {
-		some_points some = take_mover(points, &motion->mover[i]);
-		status = gw_surfels_make(&some.points, from->options, &parts->own[i], error);
-		parts->own_count += status == GW_OK;
-		size_t base = all->count;
-		good = status != GW_OK || (append_part(all, &parts->own[i]) &&
-								   append_strays(&parts->own[i], &motion->mover[i], base, all));
-	}
-	good = good && (status != GW_OK ||
-					(number_all(points, motion, *number, parts, all) && find_spacing(all)));
-	if (status == GW_OK && !good)
-		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the surfels of %zu points",
-						 points->count);
-	return status == GW_OK ? gw_frame_keep_albedo(points, all, error) : status;
+	parts->of = gw_allocate_zeros(motion->mover_count + 1, sizeof *parts->of);
+	bool good = parts->own != NULL && parts->of != NULL;
+	for (size_t i = 0; i < motion->mover_count && good; i++)
+		GW_TRY(make_mover(from, i, parts, all, error));
+	if (good && number_all(points, motion, *number, parts, all) && find_spacing(all))
+		return gw_frame_keep_albedo(points, all, error);
+	return gw_fail(error, GW_ERROR_MEMORY, "no memory for the surfels of %zu points",
+				   points->count);
 }
 
-gw_status gw_surfel_parts_make(const gw_points *points, const gw_motion *motion,
-							   const gw_surfels_options *options, gw_surfel_parts *parts,
-							   gw_surfels *surfels, gw_error *error)
+static gw_status make_all(const gw_points *points, source from, gw_surfel_parts *parts,
+						  gw_surfels *surfels, gw_error *error)
 {
 	gw_ranged_points ranged;
 	uint32_t *number = NULL;
 	*parts = (gw_surfel_parts){ 0 };
 	*surfels = (gw_surfels){ 0 };
-	gw_status status = gw_range_images_use(points, options, &ranged, error);
-	const source from = { &ranged.points, motion, &ranged.options };
+	gw_status status = gw_range_images_use(points, from.options, &ranged, error);
+	from.points = &ranged.points;
+	from.options = &ranged.options;
 	if (status == GW_OK)
 		status = make_parts(&from, parts, surfels, &number, error);
 	surfels->normals_estimated += ranged.normals;
 	gw_ranged_points_clear(&ranged);
 	free(number);
 	if (status == GW_OK) {
-		widen_bounds(parts, motion, surfels);
-		gw_surfel_parts_move(parts, motion, 0, surfels);
+		widen_bounds(parts, from.motion, surfels);
+		gw_surfel_parts_move(parts, from.motion, 0, surfels);
 	} else {
 		gw_surfel_parts_clear(parts);
 		gw_surfels_clear(surfels);
@@ -418,12 +446,97 @@ gw_status gw_surfel_parts_make(const gw_points *points, const gw_motion *motion,
 	return status;
 }
 
+gw_status gw_surfel_parts_make(const gw_points *points, const gw_motion *motion,
+							   const gw_surfels_options *options, gw_surfel_parts *parts,
+							   gw_surfels *surfels, gw_error *error)
+{
+	const source from = { .motion = motion, .options = options };
+	return make_all(points, from, parts, surfels, error);
+}
+
 void gw_surfel_parts_clear(gw_surfel_parts *parts)
 {
 	for (size_t i = 0; i < parts->own_count; i++)
 		gw_surfels_clear(&parts->own[i]);
 	free(parts->own);
+	free(parts->of);
 	*parts = (gw_surfel_parts){ 0 };
+}
+
+/* --------------------------------------------------------------------------------- instances */
+
+/* As movers of one frame. */
+typedef struct instances {
+	gw_motion motion;
+	gw_mover *mover;
+	double *matrix;
+} instances;
+
+static gw_status check_instances(const gw_points *points, gw_error *error)
+{
+	for (size_t i = 0; i < points->instance_count; i++) {
+		const gw_object_instance *own = &points->instance[i];
+		bool repeats = own->of <= i && points->instance[own->of].of == own->of &&
+					   points->instance[own->of].count == own->count;
+		if (!repeats)
+			return gw_fail(error, GW_ERROR_USAGE,
+						   "instance %zu has the surfels of instance %zu, which has to come before "
+						   "it, with as many points, and to have its own",
+						   i + 1, own->of + 1);
+	}
+	return GW_OK;
+}
+
+static gw_status list_instances(const gw_points *points, instances *placed, gw_error *error)
+{
+	size_t count = points->instance_count;
+	placed->mover = gw_allocate_array(count, sizeof *placed->mover);
+	placed->matrix = gw_allocate_array(count, 16 * sizeof *placed->matrix);
+	if (!placed->mover || !placed->matrix)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu instances", count);
+	for (size_t i = 0; i < count; i++) {
+		const gw_object_instance *own = &points->instance[i];
+		placed->mover[i] = (gw_mover){ own->first, own->count };
+		memcpy(placed->matrix + 16 * i, own->matrix, sizeof own->matrix);
+	}
+	placed->motion = (gw_motion){ placed->mover, count, 1, placed->matrix };
+	GW_TRY(check_instances(points, error));
+	return check_movers(points, &placed->motion, "instance", error);
+}
+
+/* What is told of all surfels, now that they have the size of their place. */
+static gw_status measure_placed(gw_surfels *s, gw_error *error)
+{
+	s->given_area = 0.0;
+	for (size_t i = 0; i < s->count; i++)
+		s->given_area += (double)s->area[i];
+	if (find_spacing(s))
+		return GW_OK;
+	gw_surfels_clear(s);
+	return gw_fail(error, GW_ERROR_MEMORY, "no memory for the spacing of the surfels");
+}
+
+gw_status gw_placed_surfels_make(const gw_points *points, const gw_surfels_options *options,
+								 gw_surfels *surfels, gw_error *error)
+{
+	instances placed = { .mover = NULL };
+	gw_surfel_parts parts = { 0 };
+	if (points->instance_count == 0)
+		return gw_surfels_make(points, options, surfels, error);
+	*surfels = (gw_surfels){ 0 };
+	gw_status status = list_instances(points, &placed, error);
+	if (status == GW_OK) {
+		const source from = { .motion = &placed.motion,
+							  .options = options,
+							  .instance = points->instance };
+		status = make_all(points, from, &parts, surfels, error);
+	}
+	if (status == GW_OK)
+		status = measure_placed(surfels, error);
+	gw_surfel_parts_clear(&parts);
+	free(placed.mover);
+	free(placed.matrix);
+	return status;
 }
 
 /* ------------------------------------------------------------------------------------- moving */
@@ -507,6 +620,8 @@ static void move_surfel(const similarity *s, const gw_surfels *own, size_t i, gw
 	all->nearest[j] = (float)((double)own->nearest[i] * s->scale);
 	all->radius[j] = (float)((double)own->radius[i] * s->scale);
 	all->area[j] = (float)((double)own->area[i] * s->scale * s->scale);
+	if (own->noise)
+		all->noise[j] = (float)((double)own->noise[i] * s->scale);
 }
 
 void gw_surfel_parts_move(const gw_surfel_parts *parts, const gw_motion *motion, size_t frame,
@@ -515,8 +630,9 @@ void gw_surfel_parts_move(const gw_surfel_parts *parts, const gw_motion *motion,
 	size_t base = parts->still;
 	for (size_t m = 0; m < parts->own_count; m++) {
 		similarity s = similarity_of(matrix_of(motion, frame, m));
-		for (size_t i = 0; i < parts->own[m].count; i++)
-			move_surfel(&s, &parts->own[m], i, surfels, base + i);
-		base += parts->own[m].count;
+		const gw_surfels *own = own_of(parts, m);
+		for (size_t i = 0; i < own->count; i++)
+			move_surfel(&s, own, i, surfels, base + i);
+		base += own->count;
 	}
 }

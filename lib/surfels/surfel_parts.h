@@ -1,6 +1,7 @@
 /*
- * surfel_parts.h - surfels of a scene in which some points move: each mover's are made once, by
- * themselves, and moved with it; those of all that stands still are made once and stay.
+ * surfel_parts.h - surfels of a scene in which some points move, or stand where others do: each
+ * mover's are made once, by themselves, and moved with it; those of all that stands still are made
+ * once and stay.
  *
  * No part has neighbours in another, so that an object that passes alters nothing of what it
  * passes: not the regions of influence, not the discs, not the normals.
@@ -13,7 +14,9 @@
 typedef struct gw_surfel_parts {
 	size_t still;     /* so many surfels stand still; those of the movers come after, in order */
 	size_t own_count; /* movers */
-	gw_surfels *own;  /* own_count: of each mover, where gw_points has it */
+	gw_surfels *own;  /* own_count: of each mover, where gw_points has it; empty of those that have
+						 another's */
+	size_t *of;       /* own_count: whose surfels each has */
 } gw_surfel_parts;
 
 /*
@@ -32,6 +35,14 @@ void gw_surfel_parts_clear(gw_surfel_parts *parts);
 /* Puts the movers where a frame has them. Lengths and areas follow the matrix's scale. */
 void gw_surfel_parts_move(const gw_surfel_parts *parts, const gw_motion *motion, size_t frame,
 						  gw_surfels *surfels);
+
+/*
+ * Makes the surfels of a scene in which nothing moves. Those of an object that stands in several
+ * places (gw_points.instance) are made once.
+ * Fails as gw_surfels_make; GW_ERROR_USAGE and GW_ERROR_DATA when instances are not what they say.
+ */
+gw_status gw_placed_surfels_make(const gw_points *points, const gw_surfels_options *options,
+								 gw_surfels *surfels, gw_error *error);
 
 /* GW_ERROR_USAGE when movers overlap or leave the points; GW_ERROR_DATA when a matrix does more
  * than turn, mirror, move and scale evenly, or flattens. */
