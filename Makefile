@@ -266,8 +266,8 @@ $(BUILD)/tests/hostile/test_damaged $(BUILD)/tests/hostile/test_damaged_las: LDF
 # They see each pass that runs.
 $(BUILD)/tests/unit/test_passes $(BUILD)/tests/physics/test_shaders: LDFLAGS += -Wl,--wrap=gw_passes_run
 
-# It makes waits for the device seem to be in vain, and sees what is destroyed.
-$(BUILD)/tests/unit/test_stuck_driver: LDFLAGS += $(addprefix -Wl$(comma)--wrap=,vkWaitForFences vkDestroyBuffer \
+# It makes waits for the device seem to be in vain, refuses work, and sees what is destroyed.
+$(BUILD)/tests/unit/test_stuck_driver: LDFLAGS += $(addprefix -Wl$(comma)--wrap=,vkWaitForFences vkQueueSubmit vkDestroyBuffer \
 		vkFreeMemory)
 
 # The campaign uses nothing of the program, so that it sees what the program does not; its shim is

@@ -397,6 +397,7 @@ static gw_status run_steps(bake *b, size_t first, size_t last, gw_error *error)
 /* What the passes took is told of the last round. */
 static void forget_seconds(bake *b)
 {
+	(void)gw_passes_seconds(&b->scene.passes); /* of what is under way, too */
 	memset(b->scene.passes.device_seconds, 0, sizeof b->scene.passes.device_seconds);
 }
 
@@ -632,9 +633,9 @@ static gw_status add_to_few(bake *b, gw_error *error)
 }
 
 /* What the bounces cost, in the terms of Salm's tables 5.1 to 5.4. */
-static void report_profile(const gw_passes *passes, gw_report *report)
+static void report_profile(gw_passes *passes, gw_report *report)
 {
-	const double *seconds = passes->device_seconds;
+	const double *seconds = gw_passes_seconds(passes);
 	report->inject_seconds = seconds[GW_PASS_FACET_SHADE] + seconds[GW_PASS_BRICK_INJECT] +
 							 seconds[GW_PASS_BRICK_MIPMAP];
 	report->trace_seconds = seconds[GW_PASS_RECORD_RAYS] + seconds[GW_PASS_RECORD_EMITTERS] +
@@ -646,15 +647,16 @@ static void report_profile(const gw_passes *passes, gw_report *report)
 }
 
 /* Seconds that a ray takes, with what else is done for it; to be asked when the rounds are over. */
-static double ray_seconds(const bake *b)
+static double ray_seconds(bake *b)
 {
 	static const gw_pass_id of_rays[] = { GW_PASS_RECORD_RAYS, GW_PASS_RECORD_EMITTERS,
 										  GW_PASS_RECORD_SKY, GW_PASS_RECORD_FIRST,
 										  GW_PASS_RECORD_GATHER };
 	const gw_report *r = b->report;
+	const double *of_pass = gw_passes_seconds(&b->scene.passes);
 	double seconds = 0.0, check_points = (double)b->scene.check_points.traced;
 	for (size_t i = 0; i < sizeof of_rays / sizeof *of_rays; i++)
-		seconds += b->scene.passes.device_seconds[of_rays[i]];
+		seconds += of_pass[of_rays[i]];
 	return r->rays > 0 ? seconds / ((double)r->rays + check_points) : 0.0;
 }
 

@@ -5,17 +5,18 @@
 
 #include "bake/report.h"
 
-void gw_stage_seconds_read(const gw_passes *passes, const double *before, gw_stage_seconds *spent)
+void gw_stage_seconds_read(gw_passes *passes, const double *before, gw_stage_seconds *spent)
 {
+	const double *seconds = gw_passes_seconds(passes);
 	double own[GW_PASS_COUNT];
 	for (size_t i = 0; i < GW_PASS_COUNT; i++)
-		own[i] = passes->device_seconds[i] - (before ? before[i] : 0.0);
+		own[i] = seconds[i] - (before ? before[i] : 0.0);
 	spent->emitters = own[GW_PASS_RECORD_EMITTERS];
 	spent->sky = own[GW_PASS_RECORD_SKY];
 	spent->portals = own[GW_PASS_RECORD_PORTALS] + own[GW_PASS_PORTAL_LIGHT];
 }
 
-gw_stage_seconds gw_stage_seconds_of(const gw_report *report, const gw_passes *passes)
+gw_stage_seconds gw_stage_seconds_of(const gw_report *report, gw_passes *passes)
 {
 	gw_stage_seconds spent = { .direct_light = gw_report_seconds(report, "direct light"),
 							   .gaps = gw_report_seconds(report, "gaps"),

@@ -20,10 +20,10 @@ typedef struct gw_stage_seconds {
 
 /* Reads the three last from what the passes have booked since `before`, an array of all passes;
  * NULL: since ever. */
-void gw_stage_seconds_read(const gw_passes *passes, const double *before, gw_stage_seconds *spent);
+void gw_stage_seconds_read(gw_passes *passes, const double *before, gw_stage_seconds *spent);
 
 /* The stages of a bake that is over, or nearly so. */
-gw_stage_seconds gw_stage_seconds_of(const gw_report *report, const gw_passes *passes);
+gw_stage_seconds gw_stage_seconds_of(const gw_report *report, gw_passes *passes);
 
 /* Writes the prices into those effects of the report that it has. */
 void gw_effect_seconds_set(const gw_plan *plan, const gw_stage_seconds *spent, gw_report *report);

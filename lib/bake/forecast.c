@@ -79,7 +79,7 @@ typedef struct pilot {
 	uint64_t peak;          /* what the device will hold at its highest */
 } pilot;
 
-double gw_pilot_record_seconds(const gw_passes *passes)
+double gw_pilot_record_seconds(gw_passes *passes)
 {
 	static const gw_pass_id of_records[] = { GW_PASS_RECORD_RAYS,       GW_PASS_RECORD_EMITTERS,
 											 GW_PASS_RECORD_SKY,        GW_PASS_RECORD_PORTALS,
@@ -87,18 +87,20 @@ double gw_pilot_record_seconds(const gw_passes *passes)
 											 GW_PASS_RECORD_GATHER,     GW_PASS_RECORD_CONES,
 											 GW_PASS_RECORD_DIRECTIONS, GW_PASS_RECORD_AGAIN,
 											 GW_PASS_RECORD_KEEP };
+	const double *of_pass = gw_passes_seconds(passes);
 	double seconds = 0.0;
 	for (size_t i = 0; i < sizeof of_records / sizeof *of_records; i++)
-		seconds += passes->device_seconds[of_records[i]];
+		seconds += of_pass[of_records[i]];
 	return seconds;
 }
 
 /* Seconds of passes that go with the rays of a volume's cells, but for those that look for them. */
-static double cell_seconds(const gw_scene *s)
+static double cell_seconds(gw_scene *s)
 {
+	const double *seconds = gw_passes_seconds(&s->passes);
 	double rays = (double)s->volume.rays * s->volume.count, looked = (double)s->volume.looked;
-	return s->passes.device_seconds[GW_PASS_VOLUME_FILL] +
-		   s->passes.device_seconds[GW_PASS_VOLUME_RAYS] * rays / fmax(rays + looked, 1.0);
+	return seconds[GW_PASS_VOLUME_FILL] +
+		   seconds[GW_PASS_VOLUME_RAYS] * rays / fmax(rays + looked, 1.0);
 }
 
 static gw_status place(gw_lighting *lighting, gw_error *error)
@@ -110,13 +112,14 @@ static gw_status place(gw_lighting *lighting, gw_error *error)
 static gw_status measure(pilot *p, gw_status (*stage)(gw_lighting *, gw_error *), spent *sum,
 						 gw_error *error)
 {
-	const gw_scene *scene = p->lighting->scene;
-	double start = gw_seconds(), before = gw_pilot_record_seconds(&scene->passes);
-	double cells_before = cell_seconds(scene);
+	gw_scene *scene = p->lighting->scene;
+	/* Both wait for what is under way, of before and of the stage. */
+	double before = gw_pilot_record_seconds(&scene->passes), cells_before = cell_seconds(scene);
+	double start = gw_seconds();
 	GW_TRY(stage(p->lighting, error));
-	sum->seconds += gw_seconds() - start;
 	sum->of_records += gw_pilot_record_seconds(&scene->passes) - before;
 	sum->of_cells += cell_seconds(scene) - cells_before;
+	sum->seconds += gw_seconds() - start;
 	return GW_OK;
 }
 
@@ -434,6 +437,7 @@ static void put_back(pilot *p)
 	gw_lighting_drop_map(p->lighting);
 	gw_scene_drop_records(s);
 	s->options = p->asked;
+	(void)gw_passes_seconds(&s->passes); /* what is under way counts no longer */
 	memcpy(s->passes.device_seconds, p->passes_before, sizeof p->passes_before);
 }
 
@@ -477,7 +481,7 @@ gw_status gw_forecast_make(gw_lighting *lighting, double done, gw_bake_result *p
 				.before = gw_gpu_read_account(s->gpu).bytes };
 	if (!p.report)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for a report");
-	memcpy(p.passes_before, s->passes.device_seconds, sizeof p.passes_before);
+	memcpy(p.passes_before, gw_passes_seconds(&s->passes), sizeof p.passes_before);
 	s->report = p.report;
 	gw_status status =
 		lighting->plan.records ? run_pilot(&p, error) : foretell_lamps(&p, done, forecast, error);

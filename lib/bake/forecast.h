@@ -11,7 +11,7 @@
 float gw_pilot_spacing(uint64_t records, float spacing);
 
 /* Seconds of passes over records: they take as long a record, however many there are. */
-double gw_pilot_record_seconds(const gw_passes *passes);
+double gw_pilot_record_seconds(gw_passes *passes);
 
 /* Bytes on the device that go with the number of records: of these, and of what their rays hit. */
 uint64_t gw_pilot_record_bytes(const gw_scene *scene);

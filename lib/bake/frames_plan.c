@@ -43,8 +43,8 @@ static gw_status bake_trial(gw_frames *f, uint64_t records, trial *t, gw_error *
 	gw_bake_result *result = gw_allocate_zeros(1, sizeof *result);
 	if (!result)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for a result");
-	const gw_passes *passes = &f->scene.passes;
-	double start = gw_seconds(), before = gw_pilot_record_seconds(passes);
+	gw_passes *passes = &f->scene.passes;
+	double before = gw_pilot_record_seconds(passes), start = gw_seconds();
 	f->light.lights = t->lights;
 	f->scene.report = &result->report;
 	gw_status status = gw_frames_solve(f, t->frame, result, error);

@@ -12,14 +12,14 @@
 #include <stdio.h>
 #include <string.h>
 
-static gw_gpu_account account_of(const gw_gpu *gpu)
+static gw_gpu_account account_of(gw_gpu *gpu)
 {
 	return gpu ? gw_gpu_read_account(gpu) : (gw_gpu_account){ 0 };
 }
 
-static void end_stage(gw_stage *stage, const gw_gpu *gpu)
+static void end_stage(gw_stage *stage, gw_gpu *gpu)
 {
-	gw_gpu_account now = account_of(gpu);
+	gw_gpu_account now = account_of(gpu); /* which waits for what is under way */
 	stage->seconds = gw_seconds() - stage->seconds;
 	stage->device_seconds = now.device_seconds - stage->device_seconds;
 	stage->compile_seconds = now.compile_seconds - stage->compile_seconds;
@@ -30,7 +30,7 @@ static void end_stage(gw_stage *stage, const gw_gpu *gpu)
 	stage->bytes = now.bytes;
 }
 
-void gw_report_stage(gw_report *report, const gw_gpu *gpu, const char *name)
+void gw_report_stage(gw_report *report, gw_gpu *gpu, const char *name)
 {
 	if (report->stage_count > 0)
 		end_stage(&report->stage[report->stage_count - 1], gpu);
@@ -57,7 +57,7 @@ void gw_report_add_stage(gw_report *report, const gw_stage *stage)
 
 static_assert(GW_PASS_COUNT <= GW_REPORT_PASSES, "every pass has room in the report");
 
-void gw_report_device(gw_report *report, const gw_gpu *gpu)
+void gw_report_device(gw_report *report, gw_gpu *gpu)
 {
 	report->peak_bytes = account_of(gpu).peak_bytes;
 	report->pass_count = 0;

@@ -8,14 +8,14 @@
 
 /* Begins a stage; what came before is booked on the stage before. gpu may be NULL. Ends the last
  * one when name is NULL. */
-void gw_report_stage(gw_report *report, const gw_gpu *gpu, const char *name);
+void gw_report_stage(gw_report *report, gw_gpu *gpu, const char *name);
 
 /* Adds a stage that is over, after gw_report_stage has ended the last one. */
 void gw_report_add_stage(gw_report *report, const gw_stage *stage);
 
 /* Writes what the device has done until now: which passes ran, and its memory at its highest. gpu
  * may be NULL. */
-void gw_report_device(gw_report *report, const gw_gpu *gpu);
+void gw_report_device(gw_report *report, gw_gpu *gpu);
 
 /* Adds an effect; method NULL: not called for. reason is a printf format. */
 void gw_report_effect(gw_report *report, const char *name, const char *method, const char *reason,

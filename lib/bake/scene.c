@@ -304,7 +304,7 @@ gw_status gw_scene_build_octree(gw_scene *scene, gw_error *error)
 			   : gw_octree_build(scene->gpu, &scene->surfels, o->depth, &scene->octree, error));
 	/* Octrees that keep what they can are all of one shape, but for large discs. */
 	double seconds[GW_PASS_COUNT];
-	memcpy(seconds, scene->passes.device_seconds, sizeof seconds);
+	memcpy(seconds, gw_passes_seconds(&scene->passes), sizeof seconds);
 	if (scene->passes.gpu != NULL && !gw_octree_passes_fit(&scene->passes, &scene->octree))
 		gw_passes_destroy(&scene->passes);
 	if (scene->passes.gpu == NULL)

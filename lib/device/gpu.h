@@ -7,6 +7,12 @@
  * short, and splits every dispatch so that none runs long (watchdogs) or loops past the software
  * driver's silent limit.
  *
+ * Work is recorded, and submitted when the host asks for what it made, when it has become as much
+ * as should be submitted at once, or by gw_gpu_finish: so a chain of passes is one submission, for
+ * which the host waits once. Nobody who uses the functions below sees the difference, except that
+ * an error may be told by a later call. Those who read or write gw_buffer.mapped themselves call
+ * gw_gpu_settle before.
+ *
  * Thread-safety: a gw_gpu and all that was made with it belong to one thread at a time.
  */
 #ifndef GPU_H
@@ -45,6 +51,12 @@ void gw_gpu_destroy(gw_gpu **gpu);
 /* Asks whether to stop. Once the answer was yes it stays so: whatever runs or is read afterwards
  * fails with GW_ERROR_CANCELLED, since what was to be computed is not there. */
 bool gw_gpu_stopped(gw_gpu *gpu);
+
+/* Waits until all that was asked for is done. */
+gw_status gw_gpu_finish(gw_gpu *gpu, gw_error *error);
+
+/* The same for those who cannot fail; if it does, later calls do. */
+void gw_gpu_settle(gw_gpu *gpu);
 
 /* Forgets that answer: what was not computed will not be looked at. */
 void gw_gpu_resume(gw_gpu *gpu);
@@ -85,7 +97,8 @@ typedef struct gw_gpu_account {
 	double compile_seconds; /* creating pipelines and their first dispatch */
 } gw_gpu_account;
 
-gw_gpu_account gw_gpu_read_account(const gw_gpu *gpu);
+/* Of all that was asked for so far, after waiting for it. */
+gw_gpu_account gw_gpu_read_account(gw_gpu *gpu);
 
 /* Sets the highest to what is allocated now, to see by how much something raises it; returns what
  * it was. Afterwards gw_gpu_restore_peak makes it the highest of all again. */
@@ -151,8 +164,8 @@ gw_status gw_buffer_borrow(gw_gpu *gpu, const gw_buffer_description *description
 						   gw_buffer *buffer, gw_error *error);
 void gw_buffer_destroy(gw_gpu *gpu, gw_buffer *buffer); /* zeroes it; a zeroed one is accepted */
 
-/* Copies between host and buffer; they wait until it is done. offset and bytes are multiples of 4.
- * A range past the end of the buffer fails. */
+/* Copies between host and buffer; `data` is the caller's again, or there, when they return. offset
+ * and bytes are multiples of 4. A range past the end of the buffer fails. */
 gw_status gw_buffer_upload(gw_gpu *gpu, gw_buffer *buffer, uint64_t offset, const void *data,
 						   uint64_t bytes, gw_error *error);
 gw_status gw_buffer_download(gw_gpu *gpu, const gw_buffer *buffer, uint64_t offset, void *data,
@@ -277,9 +290,12 @@ gw_status gw_pass_create(gw_gpu *gpu, const gw_pass_description *description, gw
 void gw_pass_destroy(gw_gpu *gpu, gw_pass **pass);
 uint32_t gw_pass_workgroup_size(const gw_pass *pass);
 
+/* Seconds that its runs took by timestamps since this was asked last, after waiting for them. */
+double gw_pass_take_seconds(gw_gpu *gpu, gw_pass *pass);
+
 /*
- * Runs a pass over `count` elements, in slices whose length follows the time measured, and waits
- * until it is done; all that it wrote is visible to later passes and copies.
+ * Runs a pass over `count` elements, in slices whose length follows the time measured; all that was
+ * written before is visible to it, and all that it writes to later passes and copies.
  *   bindings  as many as the pass has, in binding order (binding i is `layout(binding = i)`, set 0)
  *   push      push_bytes bytes; the span at its start is ignored and filled by the layer
  *   count     number of elements; 0 is fine and does nothing

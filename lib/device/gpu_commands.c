@@ -1,10 +1,17 @@
 /*
  * gpu_commands.c - work for a device: whether it may go on, recording, submitting, waiting.
+ *
+ * There is one command buffer. What is recorded stays in it until somebody needs it done; then it
+ * is submitted as a whole, and waited for, so that never more than one submission is under way.
+ * Between any two things that are recorded one after the other is a full barrier: passes follow
+ * each other because each reads what the one before wrote. What is recorded notes the buffers and
+ * images that it uses: only who touches one of these has to wait.
  */
 #include "device/gpu_internal.h"
 #include "base/parallel.h"
 #include "glowworm_host.h"
 
+#include <assert.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <time.h>
@@ -47,6 +54,8 @@ gw_status gw_gpu_check(gw_gpu *gpu, gw_error *error)
 		return gw_fail(error, GW_ERROR_MEMORY, "%s", gpu->lost_text);
 	if (gpu->lost)
 		return gw_fail(error, GW_ERROR_INTERNAL, "%s", gpu->lost_text);
+	if (gpu->missed.status != GW_OK)
+		return gw_fail(error, gpu->missed.status, "%s", gpu->missed.text);
 	if (gpu->stopped)
 		return gw_fail(error, GW_ERROR_CANCELLED, "stopped in the middle of the work");
 	gw_messages *messages = &gpu->messages;
@@ -85,9 +94,10 @@ static void record_barrier(VkCommandBuffer commands, VkPipelineStageFlags before
 /* The stages that work of ours runs in. */
 #define WORK_STAGES (VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT)
 
-gw_status gw_commands_begin(gw_gpu *gpu, gw_error *error)
+/* Begins the command buffer, which is not in use. */
+static gw_status begin_batch(gw_gpu *gpu, gw_error *error)
 {
-	GW_TRY(gw_gpu_check(gpu, error));
+	gw_batch *batch = &gpu->batch;
 	GW_VULKAN(gpu, error, "commands", vkResetCommandPool(gpu->handle, gpu->pool, 0));
 	VkCommandBufferBeginInfo info = {
 		.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
@@ -95,11 +105,24 @@ gw_status gw_commands_begin(gw_gpu *gpu, gw_error *error)
 	};
 	GW_VULKAN(gpu, error, "commands", vkBeginCommandBuffer(gpu->commands, &info));
 	if (gpu->timestamps != VK_NULL_HANDLE)
-		vkCmdResetQueryPool(gpu->commands, gpu->timestamps, 0, 2);
+		vkCmdResetQueryPool(gpu->commands, gpu->timestamps, 0, 2 * GW_STEPS_MAX);
 	record_barrier(gpu->commands, WORK_STAGES | VK_PIPELINE_STAGE_HOST_BIT, WORK_STAGES);
-	if (gpu->timestamps != VK_NULL_HANDLE)
-		vkCmdWriteTimestamp(gpu->commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, gpu->timestamps,
-							0);
+	batch->open = true;
+	batch->number++;
+	batch->step_count = batch->use_count = 0;
+	batch->expected = 0.0;
+	batch->what = "commands";
+	return GW_OK;
+}
+
+gw_status gw_commands_begin(gw_gpu *gpu, gw_error *error)
+{
+	GW_TRY(gw_gpu_check(gpu, error));
+	if (gpu->batch.use_count + GW_BINDINGS_MAX > GW_USES_MAX)
+		GW_TRY(gw_commands_submit(gpu, error));
+	if (!gpu->batch.open)
+		return begin_batch(gpu, error);
+	gw_commands_barrier(gpu);
 	return GW_OK;
 }
 
@@ -108,18 +131,61 @@ void gw_commands_barrier(gw_gpu *gpu)
 	record_barrier(gpu->commands, WORK_STAGES, WORK_STAGES);
 }
 
-/* Seconds between the two timestamps, which may have wrapped once. */
-static double read_timestamps(gw_gpu *gpu, double fallback)
+void gw_commands_use(gw_gpu *gpu, uint64_t handle, const char *what)
 {
-	uint64_t tick[2];
-	if (gpu->timestamps == VK_NULL_HANDLE ||
-		vkGetQueryPoolResults(gpu->handle, gpu->timestamps, 0, 2, sizeof tick, tick, sizeof tick[0],
-							  VK_QUERY_RESULT_64_BIT) != VK_SUCCESS)
-		return fallback;
+	gw_batch *batch = &gpu->batch;
+	assert(batch->open && batch->use_count < GW_USES_MAX);
+	batch->use[batch->use_count++] = handle;
+	batch->what = what;
+}
+
+bool gw_commands_used(const gw_gpu *gpu, uint64_t handle)
+{
+	const gw_batch *batch = &gpu->batch;
+	for (uint32_t i = 0; i < batch->use_count && batch->open; i++)
+		if (batch->use[i] == handle)
+			return true;
+	return false;
+}
+
+static void write_timestamp(gw_gpu *gpu, uint32_t index)
+{
+	if (gpu->timestamps != VK_NULL_HANDLE)
+		vkCmdWriteTimestamp(gpu->commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, gpu->timestamps,
+							index);
+}
+
+void gw_commands_begin_step(gw_gpu *gpu)
+{
+	assert(gpu->batch.open && gpu->batch.step_count < GW_STEPS_MAX);
+	write_timestamp(gpu, 2 * gpu->batch.step_count);
+}
+
+void gw_commands_end_step(gw_gpu *gpu, gw_step step)
+{
+	gw_batch *batch = &gpu->batch;
+	write_timestamp(gpu, 2 * batch->step_count + 1);
+	batch->step[batch->step_count++] = step;
+}
+
+/* Books how long each step took: between its timestamps, which may have wrapped once, or else an
+ * equal share of the whole. */
+static void book_steps(gw_gpu *gpu, double whole)
+{
+	uint64_t tick[2 * GW_STEPS_MAX];
+	const gw_batch *batch = &gpu->batch;
+	bool told =
+		batch->step_count > 0 && gpu->timestamps != VK_NULL_HANDLE &&
+		vkGetQueryPoolResults(gpu->handle, gpu->timestamps, 0, 2 * batch->step_count, sizeof tick,
+							  tick, sizeof tick[0], VK_QUERY_RESULT_64_BIT) == VK_SUCCESS;
 	uint32_t bits = gpu->device.timestamp_bits;
 	uint64_t mask = bits >= 64 ? UINT64_MAX : (UINT64_C(1) << bits) - 1;
-	return 1e-9 * (double)gw_gpu_limits(gpu)->timestampPeriod *
-		   (double)((tick[1] - tick[0]) & mask);
+	double period = 1e-9 * (double)gw_gpu_limits(gpu)->timestampPeriod;
+	for (uint32_t i = 0; i < batch->step_count; i++) {
+		uint64_t ticks = told ? (tick[2 * i + 1] - tick[2 * i]) & mask : 0;
+		gw_pass_book(gpu, batch->step[i],
+					 told ? period * (double)ticks : whole / (double)batch->step_count);
+	}
 }
 
 /* Seconds of the processor that this process has used. */
@@ -171,12 +237,9 @@ static gw_status wait_for_device(gw_gpu *gpu, const char *what, gw_error *error)
 								: gw_vulkan_fail(gpu, error, "vkWaitForFences", what, result);
 }
 
-gw_status gw_commands_submit(gw_gpu *gpu, const char *what, double *seconds, gw_error *error)
+static gw_status submit(gw_gpu *gpu, gw_error *error)
 {
-	GW_TRY(gw_gpu_check(gpu, error));
-	if (gpu->timestamps != VK_NULL_HANDLE)
-		vkCmdWriteTimestamp(gpu->commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, gpu->timestamps,
-							1);
+	const char *what = gpu->batch.what;
 	record_barrier(gpu->commands, WORK_STAGES, WORK_STAGES | VK_PIPELINE_STAGE_HOST_BIT);
 	GW_VULKAN(gpu, error, what, vkEndCommandBuffer(gpu->commands));
 	VkSubmitInfo info = {
@@ -189,8 +252,32 @@ gw_status gw_commands_submit(gw_gpu *gpu, const char *what, double *seconds, gw_
 	gpu->account.submissions++;
 	GW_TRY(wait_for_device(gpu, what, error));
 	GW_VULKAN(gpu, error, what, vkResetFences(gpu->handle, 1, &gpu->fence));
-	double wall = gw_seconds() - start;
-	if (seconds != NULL)
-		*seconds = read_timestamps(gpu, wall);
+	book_steps(gpu, gw_seconds() - start);
 	return gw_gpu_check(gpu, error);
+}
+
+gw_status gw_commands_submit(gw_gpu *gpu, gw_error *error)
+{
+	gw_status status = gw_gpu_check(gpu, error);
+	if (!gpu->batch.open)
+		return status;
+	/* What was recorded before somebody wanted to stop is done: others may have it. After other
+	 * errors it is dropped. */
+	if (status == GW_OK || status == GW_ERROR_CANCELLED)
+		status = submit(gpu, error);
+	gpu->batch.open = false;
+	return status;
+}
+
+gw_status gw_gpu_finish(gw_gpu *gpu, gw_error *error)
+{
+	return gw_commands_submit(gpu, error);
+}
+
+void gw_gpu_settle(gw_gpu *gpu)
+{
+	gw_error error;
+	gw_status status = gpu->batch.open ? gw_commands_submit(gpu, &error) : GW_OK;
+	if (status != GW_OK && status != GW_ERROR_CANCELLED && gpu->missed.status == GW_OK)
+		gpu->missed = error;
 }

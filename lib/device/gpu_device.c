@@ -117,7 +117,7 @@ static gw_status create_commands(gw_gpu *gpu, gw_error *error)
 	VkQueryPoolCreateInfo queries = {
 		.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
 		.queryType = VK_QUERY_TYPE_TIMESTAMP,
-		.queryCount = 2,
+		.queryCount = 2 * GW_STEPS_MAX,
 	};
 	GW_VULKAN(gpu, error, "timestamps",
 			  vkCreateQueryPool(gpu->handle, &queries, NULL, &gpu->timestamps));
@@ -239,11 +239,13 @@ void gw_gpu_keep_passes(gw_gpu *gpu)
 
 void gw_gpu_begin_again(gw_gpu *gpu, const gw_gpu_options *options)
 {
+	gw_gpu_settle(gpu);
 	const uint64_t bytes = gpu->account.bytes;
 	gpu->budget = choose_budget(gpu, options->memory);
 	gpu->cancelled = options->cancelled;
 	gpu->user = options->user;
 	gpu->stopped = false;
+	gpu->missed = (gw_error){ 0 };
 	gpu->account = (gw_gpu_account){ .bytes = bytes, .peak_bytes = bytes };
 	memset(gpu->pass_runs, 0, sizeof gpu->pass_runs);
 	memset(gpu->pass_compiled, 0, sizeof gpu->pass_compiled);
@@ -294,8 +296,9 @@ uint32_t gw_gpu_validation_messages(const gw_gpu *gpu, const char **first)
 	return gpu->messages.count;
 }
 
-gw_gpu_account gw_gpu_read_account(const gw_gpu *gpu)
+gw_gpu_account gw_gpu_read_account(gw_gpu *gpu)
 {
+	gw_gpu_settle(gpu);
 	return gpu->account;
 }
 

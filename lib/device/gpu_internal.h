@@ -53,6 +53,31 @@ typedef struct gw_staging {
 	uint64_t allocated;
 } gw_staging;
 
+/* What one submission has at most: runs that it measures, and buffers and images that they use, for
+ * which there is room for as many as a pass binds as long as it goes on. */
+#define GW_STEPS_MAX 64u
+#define GW_BINDINGS_MAX 32u
+#define GW_USES_MAX (GW_STEPS_MAX * GW_BINDINGS_MAX)
+
+/* A run of a pass, or as much of it as one submission has, between two timestamps. */
+typedef struct gw_step {
+	gw_pass *pass;
+	uint64_t elements; /* 0: the empty span of its first run */
+	uint64_t asked;    /* as many would have been right for its length */
+} gw_step;
+
+/* Work that was recorded and not submitted yet: see gpu_commands.c. */
+typedef struct gw_batch {
+	bool open;       /* the command buffer has been begun */
+	uint32_t number; /* how many there were before */
+	gw_step step[GW_STEPS_MAX];
+	uint32_t step_count;
+	double expected;           /* seconds, of all steps */
+	uint64_t use[GW_USES_MAX]; /* handles of the buffers and images */
+	uint32_t use_count;
+	const char *what; /* the latest of them is about */
+} gw_batch;
+
 /* A pass that was made and is not in use, with its specialisation constants, 0 for those that its
  * shader does not have. */
 typedef struct gw_spare_pass {
@@ -77,7 +102,8 @@ struct gw_gpu {
 	VkCommandPool pool;
 	VkCommandBuffer commands;
 	VkFence fence;
-	VkQueryPool timestamps; /* VK_NULL_HANDLE when the queue has none */
+	VkQueryPool timestamps; /* two a step; VK_NULL_HANDLE when the queue has none */
+	gw_batch batch;
 	VkSampler linear, nearest;
 	gw_staging staging;
 
@@ -99,6 +125,7 @@ struct gw_gpu {
 	bool stuck;
 	bool lost;                     /* the device is */
 	char lost_text[GW_ERROR_TEXT]; /* why, of either */
+	gw_error missed; /* work failed when nobody could be told: calls say so from then on */
 };
 
 /* ---------------------------------------------------------------------------------- results */
@@ -149,18 +176,26 @@ void gw_limits_list(const gw_candidate *device, gw_device_limit limit[GW_DEVICE_
 /* Names an object for validation messages and debuggers. */
 void gw_gpu_name(gw_gpu *gpu, VkObjectType type, uint64_t handle, const char *name);
 
-/* Begins the command buffer; what was submitted before is visible to what follows. */
+/* Begins the command buffer, or goes on with it where it is begun; what was recorded or submitted
+ * before is done and visible to what follows. */
 gw_status gw_commands_begin(gw_gpu *gpu, gw_error *error);
+
+/* Notes that what is recorded next uses a buffer or an image.
+ *   what   named in errors */
+void gw_commands_use(gw_gpu *gpu, uint64_t handle, const char *what);
+
+/* Whether what was recorded and not submitted yet uses it. */
+bool gw_commands_used(const gw_gpu *gpu, uint64_t handle);
+
+/* What is recorded between the two is a step; gw_pass_book is told how long it took. */
+void gw_commands_begin_step(gw_gpu *gpu);
+void gw_commands_end_step(gw_gpu *gpu, gw_step step);
 
 /* Everything recorded so far is finished and visible to everything recorded from here on. */
 void gw_commands_barrier(gw_gpu *gpu);
 
-/*
- * Submits what was recorded and waits for it; it is visible to the host then.
- *   what     named in errors
- *   seconds  NULL or receives how long the device took, by timestamps where it has them
- */
-gw_status gw_commands_submit(gw_gpu *gpu, const char *what, double *seconds, gw_error *error);
+/* Submits what was recorded, if anything was, and waits for it; it is visible to the host then. */
+gw_status gw_commands_submit(gw_gpu *gpu, gw_error *error);
 
 /* ----------------------------------------------------------------------------------- memory */
 
@@ -199,5 +234,8 @@ typedef struct gw_slice {
  */
 gw_status gw_pass_record(gw_gpu *gpu, gw_pass *pass, gw_slice slice, const gw_binding *bindings,
 						 const void *push, gw_error *error);
+
+/* Books how long a step took. */
+void gw_pass_book(gw_gpu *gpu, gw_step step, double seconds);
 
 #endif

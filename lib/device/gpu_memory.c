@@ -15,6 +15,9 @@
 
 #define STAGING_BYTES (UINT64_C(16) << 20)
 
+/* Most that vkCmdUpdateBuffer takes. */
+#define UPDATE_BYTES UINT64_C(65536)
+
 /* Smallest buffer; holds one texel of any format. */
 #define BUFFER_BYTES_MIN UINT64_C(16)
 
@@ -355,12 +358,15 @@ gw_status gw_buffer_create(gw_gpu *gpu, const gw_buffer_description *description
 
 void gw_buffer_destroy(gw_gpu *gpu, gw_buffer *buffer)
 {
+	if (gw_commands_used(gpu, (uint64_t)buffer->handle))
+		gw_gpu_settle(gpu);
 	destroy_buffer(gpu, buffer->view, buffer->handle);
 	release(gpu, buffer->memory, buffer->allocated);
 	*buffer = (gw_buffer){ 0 };
 }
 
-/* The same on the CPU: the software driver's fill goes word by word through a copy. */
+/* The same on the CPU, for what nothing uses: the software driver's fill goes word by word through
+ * a copy. */
 static void fill_mapped(gw_buffer *buffer, uint32_t word)
 {
 	uint64_t bytes = buffer->bytes > BUFFER_BYTES_MIN ? buffer->bytes : BUFFER_BYTES_MIN;
@@ -374,13 +380,14 @@ static void fill_mapped(gw_buffer *buffer, uint32_t word)
 
 gw_status gw_buffer_fill(gw_gpu *gpu, gw_buffer *buffer, uint32_t word, gw_error *error)
 {
-	if (gw_gpu_shares_memory(gpu)) {
+	if (gw_gpu_shares_memory(gpu) && !gw_commands_used(gpu, (uint64_t)buffer->handle)) {
 		fill_mapped(buffer, word);
 		return gw_gpu_check(gpu, error);
 	}
 	GW_TRY(gw_commands_begin(gpu, error));
+	gw_commands_use(gpu, (uint64_t)buffer->handle, buffer->name);
 	vkCmdFillBuffer(gpu->commands, buffer->handle, 0, VK_WHOLE_SIZE, word);
-	return gw_commands_submit(gpu, buffer->name, NULL, error);
+	return gw_gpu_check(gpu, error);
 }
 
 /* ------------------------------------------------------------------------------ transfers */
@@ -393,9 +400,20 @@ typedef struct transfer {
 	const char *from;
 } transfer;
 
+/* A few bytes travel with the commands. */
+static gw_status record_bytes(gw_gpu *gpu, const gw_buffer *buffer, transfer c, gw_error *error)
+{
+	GW_TRY(gw_commands_begin(gpu, error));
+	gw_commands_use(gpu, (uint64_t)buffer->handle, buffer->name);
+	vkCmdUpdateBuffer(gpu->commands, buffer->handle, c.offset, c.bytes, c.from);
+	return gw_gpu_check(gpu, error);
+}
+
 static gw_status copy_mapped(gw_gpu *gpu, const gw_buffer *buffer, transfer c, gw_error *error)
 {
 	void *mapped;
+	if (gw_commands_used(gpu, (uint64_t)buffer->handle))
+		GW_TRY(gw_gpu_finish(gpu, error));
 	if (buffer->mapped != NULL)
 		mapped = (char *)buffer->mapped + c.offset;
 	else
@@ -421,9 +439,10 @@ static gw_status copy_staged(gw_gpu *gpu, const gw_buffer *buffer, transfer c, g
 			region.srcOffset = c.offset + done;
 		}
 		GW_TRY(gw_commands_begin(gpu, error));
+		gw_commands_use(gpu, (uint64_t)buffer->handle, buffer->name);
 		vkCmdCopyBuffer(gpu->commands, c.from != NULL ? staging->handle : buffer->handle,
 						c.from != NULL ? buffer->handle : staging->handle, 1, &region);
-		GW_TRY(gw_commands_submit(gpu, buffer->name, NULL, error));
+		GW_TRY(gw_commands_submit(gpu, error));
 		if (c.to != NULL)
 			memcpy(c.to + done, staging->mapped, (size_t)part);
 		done += part;
@@ -445,9 +464,11 @@ static gw_status copy_buffer(gw_gpu *gpu, const gw_buffer *buffer, transfer c, g
 	*(c.to != NULL ? &gpu->account.downloaded_bytes : &gpu->account.uploaded_bytes) += c.bytes;
 	VkMemoryRequirements needs;
 	vkGetBufferMemoryRequirements(gpu->handle, buffer->handle, &needs);
-	if (gpu->may_map && is_mappable(gpu, needs.memoryTypeBits))
-		return copy_mapped(gpu, buffer, c, error);
-	return copy_staged(gpu, buffer, c, error);
+	bool maps = gpu->may_map && is_mappable(gpu, needs.memoryTypeBits);
+	bool waits = !maps || gw_commands_used(gpu, (uint64_t)buffer->handle);
+	if (waits && c.from != NULL && c.bytes <= UPDATE_BYTES)
+		return record_bytes(gpu, buffer, c, error);
+	return maps ? copy_mapped(gpu, buffer, c, error) : copy_staged(gpu, buffer, c, error);
 }
 
 gw_status gw_buffer_upload(gw_gpu *gpu, gw_buffer *buffer, uint64_t offset, const void *data,
@@ -478,6 +499,8 @@ gw_status gw_view_open(gw_gpu *gpu, const gw_buffer *buffer, uint64_t bytes, gw_
 	*view = (gw_view){ 0 };
 	GW_TRY(gw_gpu_check(gpu, error));
 	if (gw_gpu_shares_memory(gpu) && bytes <= buffer->bytes) {
+		if (gw_commands_used(gpu, (uint64_t)buffer->handle))
+			GW_TRY(gw_gpu_finish(gpu, error));
 		gpu->account.downloaded_bytes += bytes;
 		view->bytes = buffer->mapped;
 		return GW_OK;
@@ -616,6 +639,7 @@ static gw_status create_image_view(gw_gpu *gpu, gw_image *image, gw_error *error
 static gw_status clear_image(gw_gpu *gpu, const gw_image *image, gw_error *error)
 {
 	GW_TRY(gw_commands_begin(gpu, error));
+	gw_commands_use(gpu, (uint64_t)image->handle, image->name);
 	VkImageMemoryBarrier barrier = {
 		.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER,
 		.dstAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT,
@@ -631,7 +655,7 @@ static gw_status clear_image(gw_gpu *gpu, const gw_image *image, gw_error *error
 	VkClearColorValue zero = { 0 };
 	vkCmdClearColorImage(gpu->commands, image->handle, VK_IMAGE_LAYOUT_GENERAL, &zero, 1,
 						 &whole_image);
-	return gw_commands_submit(gpu, image->name, NULL, error);
+	return gw_gpu_check(gpu, error);
 }
 
 static gw_status make_image(gw_gpu *gpu, gw_image *image, gw_error *error)
@@ -657,6 +681,8 @@ gw_status gw_image_create(gw_gpu *gpu, VkFormat format, const uint32_t extent[3]
 
 void gw_image_destroy(gw_gpu *gpu, gw_image *image)
 {
+	if (gw_commands_used(gpu, (uint64_t)image->handle))
+		gw_gpu_settle(gpu);
 	if (!gpu->stuck) {
 		vkDestroyImageView(gpu->handle, image->view, NULL);
 		vkDestroyImage(gpu->handle, image->handle, NULL);
@@ -675,9 +701,10 @@ static gw_status download_block(gw_gpu *gpu, const gw_image *image, VkOffset3D f
 		.imageExtent = block,
 	};
 	GW_TRY(gw_commands_begin(gpu, error));
+	gw_commands_use(gpu, (uint64_t)image->handle, image->name);
 	vkCmdCopyImageToBuffer(gpu->commands, image->handle, VK_IMAGE_LAYOUT_GENERAL,
 						   gpu->staging.handle, 1, &region);
-	return gw_commands_submit(gpu, image->name, NULL, error);
+	return gw_commands_submit(gpu, error);
 }
 
 gw_status gw_image_download(gw_gpu *gpu, gw_image *image, void *data, uint64_t bytes,

@@ -1,10 +1,12 @@
 /*
  * gpu_pass.c - compute pipelines, and running them in slices.
  *
- * A run is cut twice. Submissions are as long as the pass's measured speed fills slice_seconds
- * with; they keep watchdogs quiet. Inside a submission, slices are as long as the storage range
- * of windowed buffers and the largest number of workgroups allow. Both begin at multiples of a
- * unit of elements that keeps windows aligned.
+ * A run is cut twice. Steps are at most as long as the pass's measured speed fills slice_seconds
+ * with, and so is what steps of several passes take that are submitted together: they keep
+ * watchdogs quiet. Inside a step, slices are as long as the storage range of windowed buffers and
+ * the largest number of workgroups allow. Both begin at multiples of a unit of elements that keeps
+ * windows aligned. Only a run that needs more than one step, or whose pass has no measured speed,
+ * makes the host wait.
  */
 #include "device/gpu_internal.h"
 #include "glowworm_host.h"
@@ -16,9 +18,10 @@
 #include <string.h>
 
 #define CONSTANTS_MAX 16u
-#define BINDINGS_MAX 32u
+#define BINDINGS_MAX GW_BINDINGS_MAX
 
-/* Elements of a pass's first submission, when its speed is not known, and the step of growth. */
+/* Elements of a pass's first step, when its speed is not known; how many times as many as ever at
+ * once the next may have; and how many times as long as those before they may take. */
 #define FIRST_ELEMENTS 4096u
 #define GROWTH 4u
 
@@ -34,8 +37,12 @@ struct gw_pass {
 	VkPipeline pipeline;
 	VkDescriptorPool descriptors;
 	VkDescriptorSet set[GW_SLICES_MAX];
-	bool warm;           /* has run its empty span */
-	uint64_t submission; /* elements that fill slice_seconds, as far as is known */
+	bool warm;          /* has run its empty span */
+	double pace;        /* seconds an element, as measured; 0: not yet */
+	uint64_t tried;     /* the most elements that one step had, or what stands for it at first */
+	double seconds;     /* of all steps that gw_pass_take_seconds has not told of */
+	uint32_t batch;     /* number of the latest that it is in, */
+	uint32_t set_count; /* and how many of its descriptor sets that uses */
 };
 
 /* ------------------------------------------------------------------------------ creation */
@@ -267,7 +274,7 @@ gw_status gw_pass_create(gw_gpu *gpu, const gw_pass_description *description, gw
 		.push_bytes = description->push_bytes,
 		.workgroup_size = size > 0 ? size : gpu->workgroup_size,
 		.elements_per_invocation = each > 0 ? each : 1,
-		.submission = FIRST_ELEMENTS,
+		.tried = FIRST_ELEMENTS / GROWTH,
 	};
 	memcpy((*pass)->kind, description->bindings,
 		   description->binding_count * sizeof *description->bindings);
@@ -282,6 +289,7 @@ void gw_pass_destroy(gw_gpu *gpu, gw_pass **pass_address)
 	gw_pass *pass = *pass_address;
 	if (pass == NULL)
 		return;
+	gw_gpu_settle(gpu);
 	if (!gpu->stuck) {
 		vkDestroyPipeline(gpu->handle, pass->pipeline, NULL);
 		vkDestroyDescriptorPool(gpu->handle, pass->descriptors, NULL);
@@ -295,6 +303,14 @@ void gw_pass_destroy(gw_gpu *gpu, gw_pass **pass_address)
 uint32_t gw_pass_workgroup_size(const gw_pass *pass)
 {
 	return pass->workgroup_size;
+}
+
+double gw_pass_take_seconds(gw_gpu *gpu, gw_pass *pass)
+{
+	gw_gpu_settle(gpu);
+	double seconds = pass->seconds;
+	pass->seconds = 0.0;
+	return seconds;
 }
 
 /* ------------------------------------------------------------------------------ recording */
@@ -469,59 +485,119 @@ static gw_status find_cut(const gw_gpu *gpu, const gw_pass *pass, const gw_bindi
 	return GW_OK;
 }
 
+/* A part of a run that is one step. */
+typedef struct part {
+	uint64_t first, wanted; /* elements */
+	uint64_t asked;         /* where the run does not end before */
+	uint64_t most;          /* of a slice */
+	uint64_t done;          /* elements that were recorded */
+} part;
+
+/* The descriptor sets that this submission has not used. */
+static uint32_t sets_left(const gw_gpu *gpu, const gw_pass *pass)
+{
+	bool used = gpu->batch.open && pass->batch == gpu->batch.number;
+	return GW_SLICES_MAX - (used ? pass->set_count : 0);
+}
+
+static uint32_t take_set(const gw_gpu *gpu, gw_pass *pass)
+{
+	if (pass->batch != gpu->batch.number)
+		pass->set_count = 0;
+	pass->batch = gpu->batch.number;
+	return pass->set_count++;
+}
+
+/* Whether the part can be submitted with what is recorded already: with a first run's empty span it
+ * is two steps. */
+static bool fits_batch(const gw_gpu *gpu, const gw_pass *pass, const part *p)
+{
+	const gw_batch *batch = &gpu->batch;
+	uint64_t slices = divide_up(p->wanted, p->most) + !pass->warm;
+	return batch->step_count + 2 <= GW_STEPS_MAX &&
+		   batch->expected + pass->pace * (double)p->wanted <= gpu->slice_seconds &&
+		   (slices <= sets_left(gpu, pass) || sets_left(gpu, pass) == GW_SLICES_MAX);
+}
+
+static void note_uses(gw_gpu *gpu, const gw_pass *pass, const gw_binding *bindings)
+{
+	for (uint32_t i = 0; i < pass->binding_count; i++) {
+		bool image =
+			pass->kind[i] == GW_BIND_STORAGE_IMAGE || pass->kind[i] == GW_BIND_SAMPLED_IMAGE;
+		gw_commands_use(
+			gpu, image ? (uint64_t)bindings[i].image->handle : (uint64_t)bindings[i].buffer->handle,
+			pass->name);
+	}
+}
+
 /* The first dispatch makes software drivers compile; an empty span does nothing else. */
 static gw_status warm_up(gw_gpu *gpu, gw_pass *pass, const gw_binding *bindings, const void *push,
 						 gw_error *error)
 {
-	double start = gw_seconds();
-	GW_TRY(gw_commands_begin(gpu, error));
-	GW_TRY(gw_pass_record(gpu, pass, (gw_slice){ 0 }, bindings, push, error));
-	GW_TRY(gw_commands_submit(gpu, pass->name, NULL, error));
-	gpu->account.compile_seconds += gw_seconds() - start;
+	gw_commands_begin_step(gpu);
+	GW_TRY(
+		gw_pass_record(gpu, pass, (gw_slice){ .set = take_set(gpu, pass) }, bindings, push, error));
+	gw_commands_end_step(gpu, (gw_step){ .pass = pass });
+	gw_commands_barrier(gpu);
 	pass->warm = true;
 	return GW_OK;
 }
 
-/* Slices that are submitted together. */
-typedef struct submission {
-	uint64_t first, wanted; /* elements */
-	uint64_t most;          /* of a slice */
-	uint64_t done;          /* elements that were */
-	double seconds;         /* that they took */
-} submission;
-
-/* Submits up to so many elements, as few slices. */
-static gw_status submit_slices(gw_gpu *gpu, gw_pass *pass, const gw_binding *bindings,
-							   const void *push, submission *s, gw_error *error)
+/* Records up to so many elements, as few slices. */
+static gw_status record_part(gw_gpu *gpu, gw_pass *pass, const gw_binding *bindings,
+							 const void *push, part *p, gw_error *error)
 {
+	if (!fits_batch(gpu, pass, p))
+		GW_TRY(gw_gpu_finish(gpu, error));
 	GW_TRY(gw_commands_begin(gpu, error));
-	for (uint32_t set = 0; set < GW_SLICES_MAX && s->done < s->wanted; set++) {
-		uint64_t left = s->wanted - s->done, count = left < s->most ? left : s->most;
-		gw_slice slice = { (uint32_t)(s->first + s->done), (uint32_t)count, set };
-		if (set > 0)
+	note_uses(gpu, pass, bindings);
+	if (!pass->warm)
+		GW_TRY(warm_up(gpu, pass, bindings, push, error));
+	gw_commands_begin_step(gpu);
+	while (p->done < p->wanted && sets_left(gpu, pass) > 0) {
+		uint64_t left = p->wanted - p->done, count = left < p->most ? left : p->most;
+		gw_slice slice = { (uint32_t)(p->first + p->done), (uint32_t)count, take_set(gpu, pass) };
+		if (p->done > 0)
 			gw_commands_barrier(gpu);
 		GW_TRY(gw_pass_record(gpu, pass, slice, bindings, push, error));
-		s->done += count;
+		p->done += count;
 	}
-	GW_TRY(gw_commands_submit(gpu, pass->name, &s->seconds, error));
-	gpu->account.device_seconds += s->seconds;
+	gw_commands_end_step(gpu, (gw_step){ pass, p->done, p->asked });
+	gpu->batch.expected += pass->pace * (double)p->done;
 	return GW_OK;
 }
 
-/* Learns from `done` elements that took `seconds` how many to submit at once. */
-static void adapt(const gw_gpu *gpu, gw_pass *pass, uint64_t asked, uint64_t done, double seconds)
+void gw_pass_book(gw_gpu *gpu, gw_step step, double seconds)
 {
-	/* The short rest of a run says more about the cost of submitting than about the pass. */
-	if (done < asked / 2 && seconds < gpu->slice_seconds)
+	gw_pass *pass = step.pass;
+	if (step.elements == 0) {
+		gpu->account.compile_seconds += seconds;
 		return;
-	double fitting = (double)done * gpu->slice_seconds / (seconds > 1e-7 ? seconds : 1e-7);
-	double most = (double)done * GROWTH;
-	if (most < (double)pass->submission / GROWTH)
-		most = (double)pass->submission / GROWTH;
-	fitting = fitting < most ? fitting : most;
-	pass->submission = fitting < 1                    ? 1
-					   : fitting < (double)UINT32_MAX ? (uint64_t)fitting
-													  : UINT32_MAX;
+	}
+	gpu->account.device_seconds += seconds;
+	pass->seconds += seconds;
+	/* A few elements, as the rest of a run, say more about the cost of a dispatch than about the
+	 * pass. */
+	bool few = step.elements < step.asked / 2 && step.elements < pass->tried / 2;
+	if (pass->pace > 0.0 && few && seconds < gpu->slice_seconds)
+		return;
+	pass->pace = (seconds > 1e-7 ? seconds : 1e-7) / (double)step.elements;
+	pass->tried = step.elements > pass->tried ? step.elements : pass->tried;
+}
+
+/* How many elements to do at once. Those of a new run may cost more than those before: it begins
+ * shorter than was right then. */
+static uint64_t choose_length(const gw_gpu *gpu, const gw_pass *pass, bool begins)
+{
+	double most = GROWTH * (double)pass->tried;
+	double fitting = pass->pace > 0.0 ? gpu->slice_seconds / pass->pace : most;
+	double length = fitting < most ? fitting : most;
+	if (begins) {
+		double least = length < FIRST_ELEMENTS ? length : FIRST_ELEMENTS;
+		length = fitting / GROWTH < most ? fitting / GROWTH : most;
+		length = length > least ? length : least;
+	}
+	return length < 1 ? 1 : length < (double)UINT32_MAX ? (uint64_t)length : UINT32_MAX;
 }
 
 gw_status gw_pass_run(gw_gpu *gpu, gw_pass *pass, const gw_binding *bindings, const void *push,
@@ -538,25 +614,20 @@ gw_status gw_pass_run(gw_gpu *gpu, gw_pass *pass, const gw_binding *bindings, co
 	GW_TRY(check_bindings(gpu, pass, bindings, count, error));
 	cut limit;
 	GW_TRY(find_cut(gpu, pass, bindings, &limit, error));
-	if (!pass->warm)
-		GW_TRY(warm_up(gpu, pass, bindings, push, error));
-
-	/* Elements of this run may cost more than those before: begin shorter than was right then. */
-	uint64_t size = pass->submission / GROWTH;
-	if (size < FIRST_ELEMENTS)
-		size = pass->submission < FIRST_ELEMENTS ? pass->submission : FIRST_ELEMENTS;
 	for (uint64_t first = 0; first < count;) {
-		uint64_t asked = divide_up(size, limit.unit) * limit.unit;
 		uint64_t left = count - first;
-		submission s = { .first = first,
-						 .wanted = asked < left ? asked : left,
-						 .most = limit.most };
-		GW_TRY(submit_slices(gpu, pass, bindings, push, &s, error));
+		uint64_t asked = divide_up(choose_length(gpu, pass, first == 0), limit.unit) * limit.unit;
+		part p = { .first = first,
+				   .wanted = asked < left ? asked : left,
+				   .asked = asked,
+				   .most = limit.most };
+		GW_TRY(record_part(gpu, pass, bindings, push, &p, error));
+		first += p.done;
+		/* How long the rest may be, or the next run, is known when this has been done. */
+		if (first < count || pass->pace <= 0.0 || gpu->timestamps == VK_NULL_HANDLE)
+			GW_TRY(gw_gpu_finish(gpu, error));
 		if (gw_gpu_stopped(gpu))
 			return gw_gpu_check(gpu, error);
-		adapt(gpu, pass, asked, s.done, s.seconds);
-		size = pass->submission;
-		first += s.done;
 	}
 	return GW_OK;
 }

@@ -39,8 +39,8 @@ static const gw_pass_row table[GW_PASS_COUNT] = {
 	/* The kernels of the sort are loops of their own: they take few long runs, each with its counts
 	 * in an array on its thread's stack, where shaders have thousands of short ones that count in
 	 * place, which threads of a processor would wait for each other at. */
-	[GW_PASS_RADIX_COUNT] = { "radix_count", "ts", sizeof(gw_radix_push), GW_RADIX_RUN_MAX,
-							  .cpu = gw_cpu_radix_count },
+	[GW_PASS_RADIX_COUNT] = { "radix_count", "ts", sizeof(gw_radix_push),
+							  GW_RADIX_DIGITS + GW_RADIX_RUN_MAX, .cpu = gw_cpu_radix_count },
 	[GW_PASS_RADIX_SCATTER] = { "radix_scatter", "tttssss", sizeof(gw_radix_push), GW_RADIX_RUN_MAX,
 								.cpu = gw_cpu_radix_scatter },
 

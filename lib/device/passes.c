@@ -62,8 +62,17 @@ static gw_pass *take_kept(gw_passes *passes, gw_pass_id id)
 	return NULL;
 }
 
+const double *gw_passes_seconds(gw_passes *passes)
+{
+	for (int i = 0; i < GW_PASS_COUNT; i++)
+		if (passes->pass[i])
+			passes->device_seconds[i] += gw_pass_take_seconds(passes->gpu, passes->pass[i]);
+	return passes->device_seconds;
+}
+
 void gw_passes_destroy(gw_passes *passes)
 {
+	gw_passes_seconds(passes); /* so that nobody else has them who takes such a pass */
 	for (int i = 0; i < GW_PASS_COUNT; i++)
 		if (passes->pass[i] && !keep(passes, (gw_pass_id)i))
 			gw_pass_destroy(passes->gpu, &passes->pass[i]);
@@ -145,17 +154,15 @@ gw_status gw_passes_run_shader(gw_passes *passes, gw_pass_id id, const gw_bindin
 	if (passes->pass[id] == NULL)
 		GW_TRY(create(passes, id, error));
 	passes->gpu->pass_runs[id]++;
-	double before = passes->gpu->account.device_seconds;
-	GW_TRY(gw_pass_row_of(id)->batch > 0
+	return gw_pass_row_of(id)->batch > 0
 			   ? run_batches(passes, id, bindings, push, count, error)
-			   : gw_pass_run(passes->gpu, passes->pass[id], bindings, push, count, error));
-	passes->device_seconds[id] += passes->gpu->account.device_seconds - before;
-	return GW_OK;
+			   : gw_pass_run(passes->gpu, passes->pass[id], bindings, push, count, error);
 }
 
 void gw_passes_run_kernel(gw_passes *passes, gw_pass_id id, const gw_binding *bindings,
 						  const void *push, uint64_t count)
 {
+	gw_gpu_settle(passes->gpu);
 	passes->gpu->pass_runs[id]++;
 	gw_pass_row_of(id)->cpu(passes, bindings, push, count);
 }
@@ -175,9 +182,9 @@ gw_status gw_passes_run(gw_passes *passes, gw_pass_id id, const gw_binding *bind
 	return GW_OK;
 }
 
-void gw_gpu_put_aside(const gw_gpu *gpu, gw_gpu_aside *aside)
+void gw_gpu_put_aside(gw_gpu *gpu, gw_gpu_aside *aside)
 {
-	*aside = (gw_gpu_aside){ .account = gpu->account,
+	*aside = (gw_gpu_aside){ .account = gw_gpu_read_account(gpu),
 							 .budget = gpu->budget,
 							 .cancelled = gpu->cancelled,
 							 .user = gpu->user,
@@ -188,6 +195,7 @@ void gw_gpu_put_aside(const gw_gpu *gpu, gw_gpu_aside *aside)
 
 void gw_gpu_go_on(gw_gpu *gpu, const gw_gpu_aside *aside)
 {
+	gw_gpu_settle(gpu);
 	gw_gpu_account *now = &gpu->account;
 	const gw_gpu_account *before = &aside->account;
 	now->dispatches += before->dispatches;

@@ -14,9 +14,14 @@ struct gw_passes {
 	uint32_t constant[GW_PASS_CONSTANTS]; /* specialisation constants 1, 2, ... of all shaders that
 											 have them; see octree_bindings.h */
 	gw_pass *pass[GW_PASS_COUNT];
-	double device_seconds[GW_PASS_COUNT]; /* by timestamps, or what a CPU kernel took, so far */
+	double device_seconds[GW_PASS_COUNT]; /* as gw_passes_seconds last told, and what CPU kernels
+											 took since */
 	uint32_t threads;                     /* of CPU kernels; 0: one a processor */
 };
+
+/* What each took so far, by timestamps or, of a CPU kernel, by the clock: GW_PASS_COUNT numbers. It
+ * waits for what is under way. */
+const double *gw_passes_seconds(gw_passes *passes);
 
 void gw_passes_destroy(gw_passes *passes); /* empty afterwards; an empty one is accepted */
 
@@ -81,7 +86,7 @@ typedef struct gw_gpu_aside {
  * that. Buffers and passes of before stay, count as taken, and are not to be used in between.
  * Afterwards the account has what either did; the runs of passes are those of before.
  */
-void gw_gpu_put_aside(const gw_gpu *gpu, gw_gpu_aside *aside);
+void gw_gpu_put_aside(gw_gpu *gpu, gw_gpu_aside *aside);
 void gw_gpu_go_on(gw_gpu *gpu, const gw_gpu_aside *aside);
 
 #endif

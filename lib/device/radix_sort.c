@@ -95,7 +95,6 @@ static gw_status sort_digit(gw_passes *passes, gw_radix_sort *sort, gw_sort_list
 	/* A narrow list has no high words; nothing touches what stands in. */
 	gw_buffer *high = list->wide ? &list->high : &list->low;
 	gw_buffer *high_copy = list->wide ? &list->high_copy : &list->low_copy;
-	GW_TRY(gw_buffer_fill(passes->gpu, &sort->counts, 0, error));
 	gw_binding counting[] = { { .buffer = word }, { .buffer = &sort->counts } };
 	GW_TRY(gw_passes_run(passes, GW_PASS_RADIX_COUNT, counting, &push, push.runs, error));
 	uint64_t counts = (uint64_t)push.runs * GW_RADIX_DIGITS;
@@ -139,10 +138,11 @@ gw_status gw_radix_sort_run(gw_passes *passes, gw_radix_sort *sort, gw_sort_list
 	uint64_t counts = UINT64_C(4) * push.runs * GW_RADIX_DIGITS;
 	if (sort->counts.bytes < counts) {
 		gw_buffer_destroy(gpu, &sort->counts);
-		GW_TRY(gw_buffer_create(gpu,
-								&(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
-														  counts, "counts of digits" },
-								&sort->counts, error));
+		GW_TRY(
+			gw_buffer_create_unset(gpu,
+								   &(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
+															 counts, "counts of digits" },
+								   &sort->counts, error));
 	}
 	for (uint32_t bit = 0; bit < bits; bit += DIGIT_BITS) {
 		push.shift = bit % 32;
@@ -183,7 +183,7 @@ static void count_runs(void *user, size_t first, size_t last, uint32_t worker)
 		for (size_t i = run * job->push->run; i < end_of_run(job, run); i++)
 			count[digit_of(job, i)]++;
 		for (size_t digit = 0; digit < GW_RADIX_DIGITS; digit++)
-			job->counts[digit * job->push->runs + run] += count[digit];
+			job->counts[digit * job->push->runs + run] = count[digit];
 	}
 }
 

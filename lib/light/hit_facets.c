@@ -37,6 +37,7 @@ gw_status gw_hit_facets_find(gw_passes *passes, const gw_octree *octree, const g
 							 const gw_ray_gather *gather, gw_hit_facets *hits, gw_error *error)
 {
 	*hits = (gw_hit_facets){ 0 };
+	gw_gpu_settle(passes->gpu); /* the facets are read where they lie */
 	if (gw_gpu_stopped(passes->gpu))
 		return gw_fail(error, GW_ERROR_CANCELLED, "stopped before the bounces");
 	gw_status status = find_slots(octree, records, gather, hits, error);
@@ -64,5 +65,6 @@ void gw_hit_facets_shade(gw_passes *passes, const gw_octree *octree, const gw_re
 								.bindings = bindings,
 								.push = &(gw_record_push){ 0 },
 								.element = hits->slot };
+	gw_gpu_settle(passes->gpu);
 	gw_kernel_loop(passes, GW_PASS_FACET_SHADE, run, hits->count, CHUNK);
 }

@@ -12,7 +12,7 @@
 layout(local_size_x_id = 0) in;
 
 layout(binding = 0) uniform usamplerBuffer keys;      /* the word that has the digit */
-layout(binding = 1) buffer Counts { uint counts[]; }; /* zeros */
+layout(binding = 1) buffer Counts { uint counts[]; };
 
 layout(push_constant) uniform Push { gw_radix_push push; };
 
@@ -22,6 +22,8 @@ void main()
 		return;
 	uint run = push.first + gl_GlobalInvocationID.x;
 	uint begin = run * push.run, end = min(begin + push.run, push.total);
+	for (uint digit = 0; digit < GW_RADIX_DIGITS; digit++)
+		counts[digit * push.runs + run] = 0;
 	for (uint i = begin; i < end; i++) {
 		uint digit = texelFetch(keys, int(i)).x >> push.shift & (GW_RADIX_DIGITS - 1u);
 		counts[digit * push.runs + run]++;

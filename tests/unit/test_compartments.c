@@ -52,7 +52,7 @@ static void build(gw_gpu *gpu, size_t balls, uint32_t deeper, gw_surfels *surfel
 }
 
 /* Of the octree and all else, but for what copies go through. */
-static uint64_t bytes_of(const gw_gpu *gpu)
+static uint64_t bytes_of(gw_gpu *gpu)
 {
 	return gw_gpu_read_account(gpu).bytes - gpu->staging.bytes;
 }

@@ -113,7 +113,7 @@ static void test_choice(void **state)
 /* -------------------------------------------------------------------------------- copies */
 
 /* What went to the device and back so far. */
-static void assert_moved(const gw_gpu *gpu, uint64_t uploaded, uint64_t downloaded)
+static void assert_moved(gw_gpu *gpu, uint64_t uploaded, uint64_t downloaded)
 {
 	gw_gpu_account account = gw_gpu_read_account(gpu);
 	assert_int_equal(account.uploaded_bytes, uploaded);
@@ -394,8 +394,156 @@ static void test_pass_short_slices(void **state)
 	(void)state;
 	/* A target that even one unit of 64 elements misses: slices shrink to it. */
 	gw_gpu_options options = { .slice_seconds = 1e-9, .validate = true };
-	uint64_t dispatches = run_affine(options, 1, 0);
+	uint64_t dispatches =
+		run_affine(options, 1, 0); /* and submissions: see test_long_runs_stay_apart */
 	assert_in_range(dispatches, ELEMENTS / 128, ELEMENTS / 64 + 2);
+}
+
+/* A pass that makes 3 * in + i + 5, its two buffers as made by zeros. */
+typedef struct chain {
+	gw_gpu *gpu;
+	gw_buffer a, b;
+	gw_pass *pass;
+} chain;
+
+#define LINKS 4096u
+
+static chain open_chain(gw_gpu_options options)
+{
+	chain c = { .gpu = open_gpu(options) };
+	c.a = new_buffer(c.gpu, LINKS * 4, "a");
+	c.b = new_buffer(c.gpu, LINKS * 4, "b");
+	c.pass = new_pass(c.gpu, "test_affine",
+					  (gw_pass_description){ .bindings = two_buffers,
+											 .binding_count = 2,
+											 .push_bytes = 12,
+											 .constant = (uint32_t[]){ 3, 1 },
+											 .constant_count = 2 });
+	return c;
+}
+
+/* From a to b, or back. */
+static gw_status run_link(chain *c, bool back, gw_error *error)
+{
+	const gw_binding bindings[] = { { .buffer = back ? &c->b : &c->a, .stride = 4 },
+									{ .buffer = back ? &c->a : &c->b, .stride = 4 } };
+	return gw_pass_run(c->gpu, c->pass, bindings, (uint32_t[]){ 0, 0, 5 }, LINKS, error);
+}
+
+static void close_chain(chain *c)
+{
+	gw_pass_destroy(c->gpu, &c->pass);
+	gw_buffer_destroy(c->gpu, &c->a);
+	gw_buffer_destroy(c->gpu, &c->b);
+	assert_int_equal(gw_gpu_validation_messages(c->gpu, NULL), 0);
+	gw_gpu_destroy(&c->gpu);
+}
+
+/* Word i after so many runs from `word` on. */
+static uint32_t chained(uint32_t word, uint32_t i, uint32_t runs)
+{
+	for (uint32_t n = 0; n < runs; n++)
+		word = 3 * word + i + 5;
+	return word;
+}
+
+/* Passes that read what those before wrote, and bytes and zeros between them, make one submission,
+ * in which each has a time of its own; whether copies are work of the device or not. */
+static void test_chain_is_one_submission(void **state)
+{
+	(void)state;
+	for (int may_map = 0; may_map < 2; may_map++) {
+		/* So long that no machine is too busy for it: what is asked for is not what a run takes. */
+		chain c = open_chain(
+			(gw_gpu_options){ .validate_synchronization = true, .slice_seconds = 1000.0 });
+		gw_error error = { 0 };
+		uint32_t word[LINKS];
+		c.gpu->may_map = may_map == 1;
+		assert_ok(run_link(&c, false, &error), &error); /* whose speed is not known */
+		gw_gpu_account before = gw_gpu_read_account(c.gpu);
+		for (int n = 0; n < 6; n++)
+			assert_ok(run_link(&c, n % 2 == 0, &error), &error);
+		assert_ok(gw_buffer_upload(c.gpu, &c.b, 8, (uint32_t[]){ 7 }, 4, &error), &error);
+		assert_ok(run_link(&c, true, &error), &error);
+		assert_ok(gw_buffer_fill(c.gpu, &c.b, 9, &error), &error);
+		assert_int_equal(c.gpu->account.submissions, before.submissions);
+		assert_ok(gw_buffer_download(c.gpu, &c.a, 0, word, sizeof word, &error), &error);
+		gw_gpu_account after = gw_gpu_read_account(c.gpu);
+		assert_int_equal(after.submissions, before.submissions + 1);
+		assert_int_equal(after.dispatches, before.dispatches + 7);
+		double seconds = gw_pass_take_seconds(c.gpu, c.pass);
+		assert_true(after.device_seconds > before.device_seconds);
+		assert_true(seconds > 0.0 && gw_pass_take_seconds(c.gpu, c.pass) == 0.0);
+		for (uint32_t i = 0; i < LINKS; i++)
+			assert_int_equal(word[i], i == 2 ? 3 * 7 + i + 5 : chained(0, i, 8));
+		assert_ok(gw_buffer_download(c.gpu, &c.b, 0, word, sizeof word, &error), &error);
+		for (uint32_t i = 0; i < LINKS; i++)
+			assert_int_equal(word[i], 9);
+		close_chain(&c);
+	}
+}
+
+/* Where no time is left for two runs, each is submitted by itself. */
+static void test_long_runs_stay_apart(void **state)
+{
+	(void)state;
+	chain c = open_chain((gw_gpu_options){ .slice_seconds = 1000.0, .validate = true });
+	gw_error error = { 0 };
+	assert_ok(run_link(&c, false, &error), &error);
+	assert_ok(gw_gpu_finish(c.gpu, &error), &error);
+	/* One run is as long as a submission may be, which is then not asked about again. */
+	c.gpu->slice_seconds = 1.5 * gw_pass_take_seconds(c.gpu, c.pass);
+	gw_gpu_account before = gw_gpu_read_account(c.gpu);
+	for (int n = 0; n < 2; n++)
+		assert_ok(run_link(&c, n == 0, &error), &error);
+	assert_true(gw_gpu_read_account(c.gpu).submissions >= before.submissions + 2);
+	close_chain(&c);
+}
+
+/* More runs than a submission has room for, of steps, of descriptor sets and of notes of what they
+ * use, give what they should. */
+static void test_many_runs(void **state)
+{
+	(void)state;
+	chain c = open_chain((gw_gpu_options){ .slice_seconds = 1000.0, .validate = true });
+	gw_error error = { 0 };
+	uint32_t word[LINKS];
+	for (uint32_t n = 0; n < 3 * GW_STEPS_MAX; n++)
+		assert_ok(run_link(&c, n % 2 == 1, &error), &error);
+	for (uint32_t n = 0; n < 2 * GW_USES_MAX; n++)
+		assert_ok(gw_buffer_upload(c.gpu, &c.b, 0, &n, 4, &error), &error);
+	assert_ok(gw_buffer_download(c.gpu, &c.a, 0, word, sizeof word, &error), &error);
+	for (uint32_t i = 0; i < LINKS; i++)
+		assert_int_equal(word[i], chained(0, i, 3 * GW_STEPS_MAX));
+	close_chain(&c);
+}
+
+static bool says_yes(void *user)
+{
+	return *(bool *)user;
+}
+
+/* What was asked for before somebody wanted to stop is there for who goes on. */
+static void test_stop_keeps_what_was_done(void **state)
+{
+	(void)state;
+	bool stop = false;
+	chain c = open_chain((gw_gpu_options){
+		.cancelled = says_yes, .user = &stop, .slice_seconds = 1000.0, .validate = true });
+	gw_error error = { 0 };
+	uint32_t word[LINKS];
+	assert_ok(run_link(&c, false, &error), &error);
+	assert_ok(run_link(&c, true, &error), &error);
+	stop = true;
+	assert_int_equal(run_link(&c, false, &error), GW_ERROR_CANCELLED);
+	assert_int_equal(gw_buffer_download(c.gpu, &c.a, 0, word, sizeof word, &error),
+					 GW_ERROR_CANCELLED);
+	stop = false;
+	gw_gpu_resume(c.gpu);
+	assert_ok(gw_buffer_download(c.gpu, &c.a, 0, word, sizeof word, &error), &error);
+	for (uint32_t i = 0; i < LINKS; i++)
+		assert_int_equal(word[i], chained(0, i, 2));
+	close_chain(&c);
 }
 
 static void test_workgroup_sizes(void **state)
@@ -626,7 +774,7 @@ static uint32_t run_pair(bool barrier)
 	if (barrier)
 		gw_commands_barrier(gpu);
 	gw_pass_record(gpu, pass, second, read_b, NULL, &error);
-	gw_status status = gw_commands_submit(gpu, "pair", NULL, &error);
+	gw_status status = gw_commands_submit(gpu, &error);
 	uint32_t messages = gw_gpu_validation_messages(gpu, NULL);
 	assert_true(status == GW_OK || messages > 0);
 	gw_pass_destroy(gpu, &pass);
@@ -677,6 +825,8 @@ static gw_status run_fault(uint32_t read_shift, uint32_t write_shift, uint32_t *
 	const gw_binding bindings[] = { { .buffer = &a, .stride = 4 }, { .buffer = &b, .stride = 4 } };
 	const uint32_t push[] = { 0, 0, read_shift, write_shift };
 	gw_status status = gw_pass_run(gpu, pass, bindings, push, FAULT_ELEMENTS, &error);
+	if (status == GW_OK)
+		status = gw_gpu_finish(gpu, &error);
 	*messages = gw_gpu_validation_messages(gpu, NULL);
 	gw_pass_destroy(gpu, &pass);
 	gw_buffer_destroy(gpu, &a);
@@ -717,6 +867,10 @@ int main(void)
 		cmocka_unit_test(test_pass_whole),
 		cmocka_unit_test(test_pass_windows),
 		cmocka_unit_test(test_pass_short_slices),
+		cmocka_unit_test(test_chain_is_one_submission),
+		cmocka_unit_test(test_long_runs_stay_apart),
+		cmocka_unit_test(test_many_runs),
+		cmocka_unit_test(test_stop_keeps_what_was_done),
 		cmocka_unit_test(test_workgroup_sizes),
 		cmocka_unit_test(test_borrowed),
 		cmocka_unit_test(test_images),

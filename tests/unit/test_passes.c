@@ -305,8 +305,10 @@ static gw_status run_both(gw_passes *passes, gw_pass_id id, const gw_binding *bi
 {
 	uint32_t threads = passes->threads;
 	outputs o = outputs_of(gw_pass_row_of(id), bindings);
+	GW_TRY(gw_gpu_finish(passes->gpu, error)); /* buffers are looked at where they lie */
 	keep(&o, o.before);
 	GW_TRY(gw_passes_run_shader(passes, id, bindings, push, count, error));
+	GW_TRY(gw_gpu_finish(passes->gpu, error));
 	keep(&o, o.shader);
 	restore(&o);
 	passes->threads = 1;

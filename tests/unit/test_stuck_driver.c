@@ -22,11 +22,16 @@
 /* Looks in vain that waits for the device still make, and how many they made. */
 static int vain_left, vain;
 static int destroyed; /* buffers and pieces of memory */
+static bool refused;  /* the next submission is */
 
 VkResult __real_vkWaitForFences(VkDevice device, uint32_t count, const VkFence *fence, VkBool32 all,
 								uint64_t nanoseconds);
 VkResult __wrap_vkWaitForFences(VkDevice device, uint32_t count, const VkFence *fence, VkBool32 all,
 								uint64_t nanoseconds);
+VkResult __real_vkQueueSubmit(VkQueue queue, uint32_t count, const VkSubmitInfo *info,
+							  VkFence fence);
+VkResult __wrap_vkQueueSubmit(VkQueue queue, uint32_t count, const VkSubmitInfo *info,
+							  VkFence fence);
 void __real_vkDestroyBuffer(VkDevice device, VkBuffer buffer, const VkAllocationCallbacks *by);
 void __wrap_vkDestroyBuffer(VkDevice device, VkBuffer buffer, const VkAllocationCallbacks *by);
 void __real_vkFreeMemory(VkDevice device, VkDeviceMemory memory, const VkAllocationCallbacks *by);
@@ -40,6 +45,14 @@ VkResult __wrap_vkWaitForFences(VkDevice device, uint32_t count, const VkFence *
 	vain_left--;
 	vain++;
 	return VK_TIMEOUT;
+}
+
+VkResult __wrap_vkQueueSubmit(VkQueue queue, uint32_t count, const VkSubmitInfo *info,
+							  VkFence fence)
+{
+	bool refuse = refused;
+	refused = false;
+	return refuse ? VK_ERROR_OUT_OF_HOST_MEMORY : __real_vkQueueSubmit(queue, count, info, fence);
 }
 
 void __wrap_vkDestroyBuffer(VkDevice device, VkBuffer buffer, const VkAllocationCallbacks *by)
@@ -73,7 +86,8 @@ static gw_gpu *open_software(gw_buffer *buffer)
 static gw_status copy(gw_gpu *gpu, gw_buffer *buffer, gw_error *error)
 {
 	uint32_t word[WORDS] = { 0 };
-	return gw_buffer_upload(gpu, buffer, 0, word, sizeof word, error);
+	GW_TRY(gw_buffer_upload(gpu, buffer, 0, word, sizeof word, error));
+	return gw_gpu_finish(gpu, error);
 }
 
 /* Whether bytes of a file, which may have been lent, are still there after it was closed. */
@@ -125,6 +139,32 @@ static void it_is_given_up_and_left_alone(void **state)
 	assert_true(destroyed > 2);
 }
 
+/* Work that fails where nobody can be told, as its buffer is destroyed: later calls say so, until
+ * the device is begun with again. */
+static void it_tells_later_what_failed(void **state)
+{
+	(void)state;
+	gw_error error;
+	gw_buffer buffer, other;
+	const gw_buffer_description description = { GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, 4 * WORDS,
+												"other" };
+	gw_gpu *gpu = open_software(&buffer);
+	assert_ok(gw_buffer_create(gpu, &description, &other, &error), &error);
+	assert_ok(gw_buffer_upload(gpu, &buffer, 0, &(uint32_t){ 1 }, 4, &error), &error);
+	refused = true;
+	gw_buffer_destroy(gpu, &buffer);
+	assert_false(refused);
+	for (int i = 0; i < 2; i++) {
+		assert_int_equal(copy(gpu, &other, &error), GW_ERROR_MEMORY);
+		assert_non_null(strstr(error.text, "vkQueueSubmit for words"));
+	}
+	gw_gpu_begin_again(gpu, &(gw_gpu_options){ 0 });
+	gpu->may_map = false;
+	assert_ok(copy(gpu, &other, &error), &error);
+	gw_buffer_destroy(gpu, &other);
+	gw_gpu_destroy(&gpu);
+}
+
 static int until[2]; /* a pipe: at its end the disk answers */
 
 /* To the system, whoever waits for a child of vfork waits as for a disk. */
@@ -171,6 +211,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(it_is_given_up_and_left_alone),
 		cmocka_unit_test(it_may_wait_for_a_disk),
+		cmocka_unit_test(it_tells_later_what_failed),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
