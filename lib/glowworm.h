@@ -666,7 +666,7 @@ typedef struct gw_forecast {
 } gw_forecast;
 
 #define GW_REPORT_STAGES 24
-#define GW_REPORT_PASSES 56
+#define GW_REPORT_PASSES 64
 #define GW_REPORT_EFFECTS 24
 #define GW_REPORT_COUNTS 24
 #define GW_REPORT_ROUNDS 16

@@ -50,6 +50,7 @@ typedef enum gw_pass_id {
 	GW_PASS_RECORD_ADD,
 	GW_PASS_FACET_WEIGHTS,
 	GW_PASS_FACET_SHADE,
+	GW_PASS_LIGHT_SUM,
 	GW_PASS_READ_BACK,
 	/* a radiance volume */
 	GW_PASS_VOLUME_RAYS,

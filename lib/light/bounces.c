@@ -17,6 +17,7 @@
 
 #include "glowworm_host.h"
 #include "light/hit_facets.h"
+#include "light/light_sums.h"
 #include "light/record_powers.h"
 #include "base/luminance.h"
 #include "base/memory.h"
@@ -48,8 +49,12 @@ gw_status gw_facets_shade(const gw_record_context *on, const gw_buffer *records_
 						 2 * (uint64_t)on->octree->leaf_count, error);
 }
 
-/* Sums over facets, a chunk at a time, so that the order does not depend on threads. */
+/* Sums over facets: on the device where they are shaded there; else a chunk at a time, so that the
+ * order does not depend on threads. */
 typedef struct facet_sums {
+	bool on_device;
+	gw_light_sums device;
+	gw_light_sum records;     /* on the device: that was read with the facets' */
 	gw_view centre, radiance; /* 4 floats a slot, area in w of the centre */
 	gw_view albedo;           /* likewise, with transparency; only where something has some */
 	size_t slots;
@@ -59,6 +64,9 @@ typedef struct facet_sums {
 
 static gw_status sums_create(const gw_bounces_task *task, facet_sums *sums, gw_error *error)
 {
+	sums->on_device = gw_passes_way(task->on.passes, GW_PASS_FACET_SHADE) == GW_WAY_DEVICE;
+	if (sums->on_device)
+		return gw_light_sums_create(&task->on, &sums->device, error);
 	sums->slots = 2 * (size_t)task->on.octree->leaf_count;
 	size_t chunks = sums->slots / SUM_CHUNK + 1;
 	sums->power = gw_allocate_array(chunks, sizeof *sums->power);
@@ -73,8 +81,9 @@ static gw_status sums_create(const gw_bounces_task *task, facet_sums *sums, gw_e
 						&sums->albedo, error);
 }
 
-static void sums_destroy(facet_sums *sums)
+static void sums_destroy(gw_gpu *gpu, facet_sums *sums)
 {
+	gw_light_sums_destroy(gpu, &sums->device);
 	gw_view_close(&sums->albedo);
 	gw_view_close(&sums->centre);
 	free(sums->power);
@@ -100,46 +109,81 @@ static void sum_chunk(void *user, size_t first, size_t last, uint32_t worker)
 	sums->largest[first / SUM_CHUNK] = largest;
 }
 
-/* Energy that the facets reflect, pi * area * |luminance(L)|, and the largest component. */
-static gw_status measure(const gw_bounces_task *task, facet_sums *sums, double *energy,
-						 float *largest, gw_error *error)
+static gw_status measure_device(const gw_bounces_task *task, facet_sums *sums, double *power,
+								float *largest, gw_error *error)
+{
+	gw_light_sum facets;
+	GW_TRY(gw_light_sums_facets(&task->on, &sums->device, task->facet_radiance, error));
+	GW_TRY(gw_light_sums_read(task->on.passes->gpu, &sums->device, &facets, &sums->records, error));
+	*power = facets.power;
+	*largest = facets.largest;
+	return GW_OK;
+}
+
+static gw_status measure_chunks(const gw_bounces_task *task, facet_sums *sums, double *power,
+								float *largest, gw_error *error)
 {
 	GW_TRY(gw_view_open(task->on.passes->gpu, task->facet_radiance, 16 * sums->slots,
 						&sums->radiance, error));
 	gw_parallel_for(task->on.passes->threads, sums->slots, SUM_CHUNK, sum_chunk, sums);
 	gw_view_close(&sums->radiance);
-	double sum = 0.0;
+	*power = 0.0;
 	*largest = 0.0f;
 	for (size_t chunk = 0; chunk * SUM_CHUNK < sums->slots; chunk++) {
-		sum += sums->power[chunk];
+		*power += sums->power[chunk];
 		*largest = fmaxf(*largest, sums->largest[chunk]);
 	}
-	double cell = (double)task->on.octree->leaf_size;
-	*energy = sum * M_PI * cell * cell;
+	return GW_OK;
+}
+
+/* Energy that the facets reflect, pi * area * |luminance(L)|, and the largest component. */
+static gw_status measure(const gw_bounces_task *task, facet_sums *sums, double *energy,
+						 float *largest, gw_error *error)
+{
+	double power, cell = (double)task->on.octree->leaf_size;
+	GW_TRY((sums->on_device ? measure_device : measure_chunks)(task, sums, &power, largest, error));
+	*energy = power * M_PI * cell * cell;
 	return isfinite(*energy) ? GW_OK
 							 : gw_fail(error, GW_ERROR_INTERNAL, "a bounce's energy is not finite");
 }
 
-/* The largest row sum of a bounce: every facet sends out its albedo, the records gather it. */
-static gw_status find_contraction(const gw_bounces_task *task, double *contraction, gw_error *error)
+/* The largest component of what the records gathered, none of which is below 0. */
+static gw_status find_largest(const gw_bounces_task *task, facet_sums *sums, double *largest,
+							  gw_error *error)
 {
-	gw_records *records = task->on.records;
-	const gw_trace_step *step = &task->step;
-	gw_status status = (step->gather_apart ? step->gather_apart : step->gather)(
-		step->self, &task->on.octree->facet_albedo, 1.0f, error);
+	const gw_records *records = task->on.records;
+	gw_gpu *gpu = task->on.passes->gpu;
 	gw_view view = { 0 };
-	if (status == GW_OK)
-		status = gw_view_open(task->on.passes->gpu, &records->gathered,
-							  16 * (uint64_t)records->count, &view, error);
-	const float *gathered = view.bytes;
-	double largest = 0.0;
-	for (size_t i = 0; i < records->count && status == GW_OK; i++) {
-		for (int c = 0; c < 3; c++)
-			largest = fmax(largest, (double)gathered[4 * i + (size_t)c]);
+	*largest = 0.0;
+	if (sums->on_device) {
+		gw_light_sum facets;
+		/* What their power is does not matter. */
+		GW_TRY(gw_light_sums_records(&task->on, &sums->device, &records->gathered, error));
+		GW_TRY(gw_light_sums_read(gpu, &sums->device, &facets, &sums->records, error));
+		*largest = (double)sums->records.largest;
+		return GW_OK;
 	}
-	*contraction = fmin(largest / M_PI, (double)GW_ALBEDO_MAX);
+	GW_TRY(gw_view_open(gpu, &records->gathered, 16 * (uint64_t)records->count, &view, error));
+	const float *gathered = view.bytes;
+	for (size_t i = 0; i < records->count; i++) {
+		for (int c = 0; c < 3; c++)
+			*largest = fmax(*largest, (double)gathered[4 * i + (size_t)c]);
+	}
 	gw_view_close(&view);
-	return status;
+	return GW_OK;
+}
+
+/* The largest row sum of a bounce: every facet sends out its albedo, the records gather it. */
+static gw_status find_contraction(const gw_bounces_task *task, facet_sums *sums,
+								  double *contraction, gw_error *error)
+{
+	const gw_trace_step *step = &task->step;
+	double largest;
+	GW_TRY((step->gather_apart ? step->gather_apart : step->gather)(
+		step->self, &task->on.octree->facet_albedo, 1.0f, error));
+	GW_TRY(find_largest(task, sums, &largest, error));
+	*contraction = fmin(largest / M_PI, (double)GW_ALBEDO_MAX);
+	return GW_OK;
 }
 
 static gw_status append(gw_bounces *bounces, gw_bounce bounce, gw_error *error)
@@ -189,11 +233,64 @@ typedef struct progress {
 	gw_hit_facets hits; /* where a CPU kernel shades: facets that are not hit can be left out */
 	bool by_hits;
 	gw_record_powers powers; /* where records lie in the processor's memory */
+	gw_buffer power;         /* the same on the device, where sums are made there */
 	gw_gathered_light light; /* that the last bounce gathered */
 	bool gathered;           /* records->gathered is that, and not reflected yet */
 	double energy;           /* that the last bounce reflects */
 	float largest;
 } progress;
+
+/* Finds what the records' irradiance makes facets reflect, and brings it up where it is needed. */
+static gw_status find_powers(progress *p, gw_error *error)
+{
+	const gw_record_context *on = &p->task->on;
+	uint64_t bytes = 16 * (uint64_t)on->records->count;
+	GW_TRY(gw_record_powers_find(on, &p->powers, error));
+	if (!p->sums.on_device)
+		return GW_OK;
+	GW_TRY(
+		gw_buffer_create(on->passes->gpu,
+						 &(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+												   bytes, "power of records" },
+						 &p->power, error));
+	float *power = gw_allocate_zeros(on->records->count, 4 * sizeof *power);
+	if (!power)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the power of %u records",
+					   on->records->count);
+	for (size_t i = 0; i < on->records->count; i++)
+		for (size_t c = 0; c < 3; c++)
+			power[4 * i + c] = p->powers.power[3 * i + c];
+	gw_status status = gw_buffer_upload(on->passes->gpu, &p->power, 0, power, bytes, error);
+	free(power);
+	return status;
+}
+
+/* What has been gathered, as light of the records: where sums are made on the device it is there
+ * when the facets are measured. */
+static gw_status measure_records(progress *p, gw_error *error)
+{
+	const gw_record_context *on = &p->task->on;
+	if (!p->powers.power)
+		return GW_OK;
+	return p->sums.on_device ? gw_light_sums_records(on, &p->sums.device, &p->power, error)
+							 : gw_record_powers_measure(on, &p->powers, &p->light, error);
+}
+
+/* The facets, and the records where that was put off. */
+static gw_status measure_both(progress *p, gw_error *error)
+{
+	const gw_light_sum *records = &p->sums.records;
+	GW_TRY(measure(p->task, &p->sums, &p->energy, &p->largest, error));
+	if (!p->powers.power || !p->sums.on_device)
+		return GW_OK;
+	p->light = (gw_gathered_light){
+		.power = records->power,
+		.carriers =
+			records->squares > 0.0 ? records->power * records->power / records->squares : 0.0,
+		.largest = (double)records->largest,
+	};
+	return GW_OK;
+}
 
 /* The energy that is reflected of what has been gathered. */
 static gw_status take_energy(progress *p, gw_error *error)
@@ -215,13 +312,12 @@ static gw_status bounce_once(progress *p, bool first, gw_error *error)
 		gw_hit_facets_shade(task->on.passes, task->on.octree, task->on.records, &p->hits,
 							task->facet_radiance);
 	GW_TRY(gather_once(task, first, p->largest, error));
-	if (p->powers.power)
-		GW_TRY(gw_record_powers_measure(&task->on, &p->powers, &p->light, error));
+	GW_TRY(measure_records(p, error));
 	if (p->by_hits)
 		return take_energy(p, error);
 	GW_TRY(gw_facets_shade(&task->on, &task->on.records->gathered, task->facet_direct, 0.0f,
 						   task->facet_radiance, error));
-	return measure(task, &p->sums, &p->energy, &p->largest, error);
+	return measure_both(p, error);
 }
 
 static gw_bounce bounce_done(const progress *p, double started)
@@ -243,9 +339,9 @@ static gw_status begin(progress *p, gw_bounces *bounces, gw_error *error)
 	GW_TRY(measure(task, &p->sums, &p->energy, &p->largest, error));
 	GW_TRY(append(bounces, bounce_done(p, started), error));
 	if (task->limit > 1 && !task->no_bound)
-		GW_TRY(find_contraction(task, &bounces->contraction, error));
+		GW_TRY(find_contraction(task, &p->sums, &bounces->contraction, error));
 	if (task->limit > 1 && gw_gpu_shares_memory(task->on.passes->gpu))
-		GW_TRY(gw_record_powers_find(&task->on, &p->powers, error));
+		GW_TRY(find_powers(p, error));
 	p->by_hits = task->step.hits && task->limit > 1 &&
 				 gw_passes_way(task->on.passes, GW_PASS_FACET_SHADE) == GW_WAY_CPU;
 	if (p->by_hits)
@@ -262,9 +358,8 @@ static gw_status go_on(progress *p, bool first, bool automatic, double *guessed,
 	if (!first || !task->carried || !automatic)
 		return bounce_once(p, first, error);
 	GW_TRY(begin_carried(task, &p->sums, p->largest, guessed, error));
-	if (p->powers.power)
-		GW_TRY(gw_record_powers_measure(&task->on, &p->powers, &p->light, error));
-	return measure(task, &p->sums, &p->energy, &p->largest, error);
+	GW_TRY(measure_records(p, error));
+	return measure_both(p, error);
 }
 
 static gw_status run(progress *p, gw_bounces *bounces, gw_error *error)
@@ -295,7 +390,8 @@ gw_status gw_bounces_run(const gw_bounces_task *task, gw_bounces *bounces, gw_er
 	*bounces = (gw_bounces){ 0 };
 	progress p = { .task = task };
 	gw_status status = run(&p, bounces, error);
-	sums_destroy(&p.sums);
+	sums_destroy(task->on.passes->gpu, &p.sums);
+	gw_buffer_destroy(task->on.passes->gpu, &p.power);
 	gw_hit_facets_clear(&p.hits);
 	gw_record_powers_clear(&p.powers);
 	if (status != GW_OK) {

@@ -131,6 +131,24 @@ SHARED_STRUCT(gw_keep_push)
 };
 SHARED_SIZE(gw_keep_push, 20);
 
+/* Elements that one invocation adds up, and values of gw_sum_push.kind. */
+#define GW_SUM_RUN 64u
+#define GW_SUM_FACETS 0u  /* luminance times area, leaf cells^2, that facets send out */
+#define GW_SUM_RECORDS 1u /* the same, that the irradiance of records makes them send out */
+#define GW_SUM_PARTS 2u   /* sums that were made before */
+
+/* Adding up light. */
+SHARED_STRUCT(gw_sum_push)
+{
+	uint first, count;
+	uint kind;
+	uint total;  /* of what is added up */
+	uint parts;  /* that are made of it, one every so many elements */
+	uint source; /* first of the parts that are added up */
+	uint target; /* and of those that are made */
+};
+SHARED_SIZE(gw_sum_push, 28);
+
 /* Probes and what they see. */
 SHARED_STRUCT(gw_probe_push)
 {
