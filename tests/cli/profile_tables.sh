@@ -26,11 +26,14 @@ awk '/^stage/ { on = 1; next } on && NF == 0 { exit }
 			(apart * apart > room * room ? "apart" : "adds up") } }' said.txt
 echo == what three bounces more ask of the device: submissions, dispatches, bytes up and down
 asked() { # bounces: says what their stage asked for
-	glowworm bake box.ply -q -f --estimate-points 0 --passes device --bounces $1 --report - -o device.ply |
-		sed -n 's/.*"name": "bounces".*"dispatches": \([0-9]*\), "submissions": \([0-9]*\), "uploaded_bytes": \([0-9]*\), "downloaded_bytes": \([0-9]*\).*/\1 \2 \3 \4/p'
+	glowworm bake box.ply -q -f --estimate-points 0 --passes device --bounces $1 \
+		--report asked.json -o device.ply
+	grep '"name": "bounces"' asked.json |
+		grep -o '"\(dispatches\|submissions\|uploaded_bytes\|downloaded_bytes\)": [0-9]*' |
+		grep -o '[0-9]*$'
 }
 # On a busy machine a run may seem so long that it is submitted by itself, but not all of them do.
-echo "$(asked 3) $(asked 6)" | awk 'NF == 8 {
+echo $(asked 3) $(asked 6) | awk 'NF == 8 {
 	print ($6 - $2 < ($5 - $1) / 2 ? "submissions are fewer" : $0), $7 - $3, $8 - $4 }'
 echo == a lamp stands still while a cube moves
 cat >moving.json <<-EOF
