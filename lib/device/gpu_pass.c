@@ -621,7 +621,10 @@ gw_status gw_pass_run(gw_gpu *gpu, gw_pass *pass, const gw_binding *bindings, co
 				   .wanted = asked < left ? asked : left,
 				   .asked = asked,
 				   .most = limit.most };
-		GW_TRY(record_part(gpu, pass, bindings, push, &p, error));
+		gw_status status = record_part(gpu, pass, bindings, push, &p, error);
+		if (status != GW_OK)
+			gpu->batch.open = false; /* dropped: a step may be half recorded */
+		GW_TRY(status);
 		first += p.done;
 		/* How long the rest may be, or the next run, is known when this has been done. */
 		if (first < count || pass->pace <= 0.0 || gpu->timestamps == VK_NULL_HANDLE)
