@@ -466,7 +466,8 @@ static gw_status copy_buffer(gw_gpu *gpu, const gw_buffer *buffer, transfer c, g
 	vkGetBufferMemoryRequirements(gpu->handle, buffer->handle, &needs);
 	bool maps = gpu->may_map && is_mappable(gpu, needs.memoryTypeBits);
 	bool waits = !maps || gw_commands_used(gpu, (uint64_t)buffer->handle);
-	if (waits && c.from != NULL && c.bytes <= UPDATE_BYTES)
+	bool in_words = c.bytes % 4 == 0 && c.offset % 4 == 0; /* as vkCmdUpdateBuffer wants them */
+	if (waits && c.from != NULL && in_words && c.bytes <= UPDATE_BYTES)
 		return record_bytes(gpu, buffer, c, error);
 	return maps ? copy_mapped(gpu, buffer, c, error) : copy_staged(gpu, buffer, c, error);
 }
