@@ -58,7 +58,7 @@ gw_status gw_lighting_estimate(gw_lighting *lighting, gw_error *error)
 	gw_scene *s = lighting->scene;
 	const gw_bake_options *o = &s->options;
 	gw_view direct, turned = { 0 };
-	gw_check_discs discs = { 0 };
+	gw_check_discs discs = { .tree = &s->check_tree };
 	gw_status status = gw_lighting_view(lighting, &lighting->surfel_direct, &direct, error);
 	if (status == GW_OK)
 		status = gw_lighting_view(lighting, &lighting->surfel_turned, &turned, error);
@@ -100,7 +100,7 @@ gw_status gw_lighting_estimate(gw_lighting *lighting, gw_error *error)
 		if (status == GW_OK && lighting->gap)
 			status = find_gap_error(lighting, &task, error);
 	}
-	gw_check_discs_clear(&discs);
+	gw_check_discs_close(&discs);
 	gw_view_close(&turned);
 	gw_view_close(&direct);
 	return status;

@@ -403,6 +403,7 @@ void gw_scene_drop_records(gw_scene *scene)
 
 void gw_scene_drop_traced(gw_scene *scene)
 {
+	gw_check_tree_clear(&scene->check_tree);
 	gw_cone_gather_destroy(scene->gpu, &scene->cones);
 	gw_micro_buffers_destroy(scene->gpu, &scene->buffers);
 	gw_ray_gather_destroy(scene->gpu, &scene->rays);
@@ -423,6 +424,7 @@ void gw_scene_drop_octree(gw_scene *scene)
 void gw_scene_close(gw_scene *scene)
 {
 	clear_region(&scene->region);
+	gw_check_tree_clear(&scene->check_tree);
 	gw_surfels_clear(&scene->surfels);
 	gw_scanned_space_clear(&scene->space);
 	if (scene->gpu == NULL)

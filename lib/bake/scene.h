@@ -103,6 +103,7 @@ struct gw_scene {
 	gw_buffer sampled_moment; /* the same of its moment, where records keep theirs (moments.h) */
 	double turn; /* of surfels' normals from those of their records: gw_read_back_turn; 0 where that
 					was not asked for, or is noise */
+	gw_check_tree check_tree;         /* of the surfels, once an estimate has asked for it */
 	gw_check_point_hits check_points; /* what the points see that estimates solve again */
 	gw_placed_probes probes;          /* the last that were placed in it, in whatever light */
 	gw_probe_maps maps;               /* that records see by; empty but for GW_METHOD_PROBES */

@@ -1,11 +1,8 @@
 /*
- * check_discs.c - see check_discs.h. A tree of boxes in which each node has four children, so that
- * a ray is held against four boxes at once. Discs are shared out by halving them along the widest
- * side of where they are, which does not care how unevenly they lie.
+ * check_discs.c - see check_discs.h.
  */
 #include "estimate/check_discs.h"
 
-#include "base/memory.h"
 #include "light/transport_layout.h"
 
 #include <stdlib.h>
@@ -25,191 +22,22 @@
 #define RISE 0.02f        /* radii above a disc: from there on it may be in the light's way */
 #define CUT_OVERLAP 0.02f /* radii of the surfel */
 
-#define LEAF_DISCS 4u
 #define STACK 128u /* three wait a level at most, and a level quarters the discs */
-#define IS_LEAF 0x80000000u
 
-typedef float float_lanes __attribute__((vector_size(16)));
+typedef gw_check_lanes float_lanes;
 typedef int32_t int_lanes __attribute__((vector_size(16)));
 
-/* Four boxes, and what is in each: a node, or IS_LEAF, discs - 1 at bit 28, and the first. */
-struct gw_check_node {
-	float_lanes low[3], high[3];
-	uint32_t child[4];
-};
-
-/* ------------------------------------------------------------------------------------ building */
-
-typedef struct place {
-	float at[3];
-	uint32_t surfel;
-} place;
-
-typedef struct box {
-	float low[3], high[3];
-} box;
-
-typedef struct building {
-	const gw_surfels *surfels;
-	place *place;
-	gw_check_node *node;
-	uint32_t nodes;
-} building;
-
-static box empty_box(void)
-{
-	return (box){ { INFINITY, INFINITY, INFINITY }, { -INFINITY, -INFINITY, -INFINITY } };
-}
-
-static int widest_axis(const place *p, size_t first, size_t last)
-{
-	box b = empty_box();
-	int axis = 0;
-	for (size_t i = first; i < last; i++)
-		for (int k = 0; k < 3; k++) {
-			b.low[k] = gw_smaller(b.low[k], p[i].at[k]);
-			b.high[k] = gw_larger(b.high[k], p[i].at[k]);
-		}
-	for (int k = 1; k < 3; k++)
-		if (b.high[k] - b.low[k] > b.high[axis] - b.low[axis])
-			axis = k;
-	return axis;
-}
-
-/* Along an axis, and where they are level by number, so that the order is one. */
-static bool before(const place *a, const place *b, int axis)
-{
-	return a->at[axis] < b->at[axis] || (a->at[axis] == b->at[axis] && a->surfel < b->surfel);
-}
-
-static void swap(place *a, place *b)
-{
-	place kept = *a;
-	*a = *b;
-	*b = kept;
-}
-
-/* Puts the places before `middle` that lie before those after it (Hoare's selection). */
-static void select_half(place *p, size_t first, size_t last, size_t middle, int axis)
-{
-	while (last - first > 1) {
-		size_t i = first, j = last - 1;
-		place pivot = p[first + (last - first) / 2];
-		while (true) {
-			while (before(&p[i], &pivot, axis))
-				i++;
-			while (before(&pivot, &p[j], axis))
-				j--;
-			if (i >= j)
-				break;
-			swap(&p[i++], &p[j--]);
-		}
-		size_t cut = j + 1;
-		if (cut <= first || cut >= last)
-			cut = i == first ? first + 1 : i;
-		if (middle < cut)
-			last = cut;
-		else
-			first = cut;
-	}
-}
-
-static size_t halve(building *b, size_t first, size_t last)
-{
-	size_t middle = first + (last - first) / 2;
-	if (last - first > LEAF_DISCS)
-		select_half(b->place, first, last, middle, widest_axis(b->place, first, last));
-	return middle;
-}
-
-static box box_of_discs(const building *b, size_t first, size_t last)
-{
-	box all = empty_box();
-	for (size_t i = first; i < last; i++) {
-		size_t s = b->place[i].surfel;
-		float radius = LARGE * b->surfels->radius[s];
-		for (int k = 0; k < 3; k++) {
-			float n = b->surfels->normal[3 * s + (size_t)k], at = b->place[i].at[k];
-			float reach =
-				radius * (sqrtf(gw_larger(0.0f, 1.0f - n * n)) + 1e-4f) + 1e-6f * fabsf(at);
-			all.low[k] = gw_smaller(all.low[k], at - reach);
-			all.high[k] = gw_larger(all.high[k], at + reach);
-		}
-	}
-	return all;
-}
-
-/* Adds the node of a range, and those below it; returns its box. */
-static box add_node(building *b, size_t first, size_t last, uint32_t *number)
-{
-	box all = empty_box();
-	if (last - first <= LEAF_DISCS) {
-		*number =
-			last > first ? IS_LEAF | (uint32_t)(last - first - 1) << 28 | (uint32_t)first : GW_NONE;
-		return box_of_discs(b, first, last);
-	}
-	size_t middle = halve(b, first, last);
-	size_t from[5] = { first, halve(b, first, middle), middle, halve(b, middle, last), last };
-	uint32_t own = *number = b->nodes++;
-	for (size_t c = 0; c < 4; c++) {
-		uint32_t child;
-		box part = add_node(b, from[c], from[c + 1], &child);
-		b->node[own].child[c] = child;
-		for (int k = 0; k < 3; k++) {
-			b->node[own].low[k][c] = part.low[k];
-			b->node[own].high[k][c] = part.high[k];
-			all.low[k] = gw_smaller(all.low[k], part.low[k]);
-			all.high[k] = gw_larger(all.high[k], part.high[k]);
-		}
-	}
-	return all;
-}
-
-/* Nodes of the tree of so many discs. */
-static size_t count_nodes(size_t count)
-{
-	if (count <= LEAF_DISCS)
-		return 0;
-	size_t low = count / 2, high = count - low;
-	return 1 + count_nodes(low / 2) + count_nodes(low - low / 2) + count_nodes(high / 2) +
-		   count_nodes(high - high / 2);
-}
-
-static void list_places(const gw_surfels *s, place *p)
-{
-	for (size_t i = 0; i < s->count; i++) {
-		p[i].surfel = (uint32_t)i;
-		memcpy(p[i].at, s->position + 3 * i, sizeof p[i].at);
-	}
-}
-
-static gw_status make_tree(gw_check_discs *discs, gw_error *error)
-{
-	const gw_surfels *s = discs->surfels;
-	building b = { .surfels = s, .place = gw_allocate_array(s->count, sizeof *b.place) };
-	discs->surfel = gw_allocate_array(s->count, sizeof *discs->surfel);
-	discs->node = b.node = gw_allocate_array(count_nodes(s->count), sizeof *b.node);
-	if (!b.place || !discs->surfel || !b.node || s->count > 0x0fffffffu) {
-		free(b.place);
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the discs of %zu points", s->count);
-	}
-	list_places(s, b.place);
-	uint32_t root;
-	add_node(&b, 0, s->count, &root);
-	discs->nodes = b.nodes;
-	for (size_t i = 0; i < s->count; i++)
-		discs->surfel[i] = b.place[i].surfel;
-	free(b.place);
-	return GW_OK;
-}
+/* ------------------------------------------------------------------------------------ opening */
 
 gw_status gw_check_discs_open(gw_gpu *gpu, const gw_octree *octree, const gw_surfels *s,
 							  gw_check_discs *discs, gw_error *error)
 {
 	uint64_t bytes = 16 * (uint64_t)s->count;
+	gw_check_tree *tree = discs->tree;
 	if (discs->count > 0)
 		return GW_OK;
 	*discs = (gw_check_discs){ .surfels = s,
+							   .tree = tree,
 							   .count = s->count,
 							   .cell = octree->leaf_size,
 							   .sheet = s->transparency ? octree->leaf_size : 0.0f };
@@ -217,19 +45,17 @@ gw_status gw_check_discs_open(gw_gpu *gpu, const gw_octree *octree, const gw_sur
 	if (status == GW_OK)
 		status = gw_view_open(gpu, &octree->surfel_clip, bytes, &discs->clip, error);
 	if (status == GW_OK)
-		status = make_tree(discs, error);
+		status = gw_check_tree_make(s, LARGE, tree, error);
 	if (status != GW_OK)
-		gw_check_discs_clear(discs);
+		gw_check_discs_close(discs);
 	return status;
 }
 
-void gw_check_discs_clear(gw_check_discs *discs)
+void gw_check_discs_close(gw_check_discs *discs)
 {
 	gw_view_close(&discs->size);
 	gw_view_close(&discs->clip);
-	free(discs->surfel);
-	free(discs->node);
-	*discs = (gw_check_discs){ 0 };
+	*discs = (gw_check_discs){ .tree = discs->tree };
 }
 
 /* ---------------------------------------------------------------------------------------- rays */
@@ -328,7 +154,7 @@ static void hit_leaf(uint32_t leaf, walk *w)
 {
 	size_t first = leaf & 0x0fffffffu, count = (leaf >> 28 & 7u) + 1;
 	for (size_t i = first; i < first + count; i++)
-		hit_disc(w->discs->surfel[i], w);
+		hit_disc(w->discs->tree->surfel[i], w);
 }
 
 static float inverse_of(float d)
@@ -383,16 +209,18 @@ static void trace(walk *w)
 	uint32_t top = 1;
 	w->t_small = w->t_large = w->nearest_back_face = ray->t_max;
 	w->hit.small = w->hit.large = GW_NONE;
-	stack[0] =
-		(waiting){ 0.0f, discs->nodes > 0 ? 0 : IS_LEAF | (uint32_t)(discs->count - 1) << 28 };
+	stack[0] = (waiting){ 0.0f, discs->tree->nodes > 0
+									? 0
+									: GW_CHECK_LEAF | (uint32_t)(discs->count - 1) << 28 };
 	while (top > 0) {
 		waiting next = stack[--top];
 		if (next.t > w->t_small)
 			continue;
-		if (next.number & IS_LEAF)
+		if (next.number & GW_CHECK_LEAF)
 			hit_leaf(next.number, w);
 		else
-			top = open_node(discs->node + next.number, origin, inverse, w->t_small, stack, top);
+			top =
+				open_node(discs->tree->node + next.number, origin, inverse, w->t_small, stack, top);
 	}
 	w->hit.passed_back_face = w->hit.passed_back_face || w->nearest_back_face < w->t_small;
 }

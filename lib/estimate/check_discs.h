@@ -11,34 +11,30 @@
 #define CHECK_DISCS_H
 
 #include "base/shader_math.h"
+#include "estimate/check_tree.h"
 #include "octree/octree.h"
-#include "cloud/surfels.h"
 
 #include <stdbool.h>
 
-typedef struct gw_check_node gw_check_node;
-
 typedef struct gw_check_discs {
 	const gw_surfels *surfels;
-	size_t count;     /* discs */
-	uint32_t *surfel; /* count, in the tree's order: the disc is that of the surfel */
-	gw_check_node *node;
-	uint32_t nodes;     /* 0: the discs are so few that they need none */
-	gw_view size, clip; /* gw_octree.surfel_disc and .surfel_clip, which have the cuts */
-	float cell;         /* metres, the unit of these: width of the octree's leaves */
-	float sheet;        /* metres: so near at least discs of one sheet lie; 0: all are opaque */
+	gw_check_tree *tree; /* in which they are; not owned */
+	size_t count;        /* discs; 0: it is not open */
+	gw_view size, clip;  /* gw_octree.surfel_disc and .surfel_clip, which have the cuts */
+	float cell;          /* metres, the unit of these: width of the octree's leaves */
+	float sheet;         /* metres: so near at least discs of one sheet lie; 0: all are opaque */
 } gw_check_discs;
 
 /*
- * Makes the tree of the discs of surfels, of which the octree has the cuts, unless it is made
- * already.
+ * Opens the discs of surfels, of which the octree has the cuts, unless they are open already. Makes
+ * their tree, unless it is made.
  *   octree  and surfels must outlive discs
- *   discs   empty, or from an earlier call with the same of these; on success to be cleared by the
- *           caller; on failure it is empty
+ *   discs   closed, with a tree that is empty or of these surfels; or from an earlier call with the
+ *           same of these. On success to be closed by the caller; on failure it is closed
  */
 gw_status gw_check_discs_open(gw_gpu *gpu, const gw_octree *octree, const gw_surfels *surfels,
 							  gw_check_discs *discs, gw_error *error);
-void gw_check_discs_clear(gw_check_discs *discs);
+void gw_check_discs_close(gw_check_discs *discs); /* not the tree */
 
 /* One ray, in the local frame of the surfels. */
 typedef struct gw_check_ray {
