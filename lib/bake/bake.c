@@ -53,6 +53,7 @@ typedef struct bake {
 	double octree_seconds;
 	bool refining; /* the first round is over */
 	bool planning; /* nothing comes after the forecast */
+	bool trial;    /* as in gw_bake_manner */
 
 	gw_scene scene;
 	gw_lighting light;
@@ -510,6 +511,7 @@ static gw_refine_state state_of(const bake *b, const gw_bake_options *even)
 							  .round_seconds = b->whole_seconds,
 							  .octree_seconds = b->octree_seconds,
 							  .crowded = b->crowded,
+							  .trial = b->trial,
 							  .least_spacing = gw_options_refine(even) ? GW_RECORD_SPACING_LEAST
 																	   : b->least_spacing,
 							  .round = b->report->round,
@@ -726,7 +728,7 @@ static gw_status bake_in_units(const gw_scaled_scene *scaled, gw_bake_manner man
 {
 	const gw_bake_options *options = &scaled->options;
 	*result = NULL;
-	bake b = { .points = scaled->scene.points, .planning = manner.planning };
+	bake b = { .points = scaled->scene.points, .planning = manner.planning, .trial = manner.trial };
 	b.result = gw_allocate_zeros(1, sizeof *b.result);
 	if (!b.result)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for a result");

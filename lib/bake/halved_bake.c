@@ -132,7 +132,7 @@ static gw_status check_by_halves(whole *w, gw_bake_result *result, gw_error *err
 }
 
 gw_status gw_bake_checked(const gw_scene_description *scene, const gw_bake_options *options,
-						  const gw_bake_callbacks *callbacks, gw_bake_result **result,
+						  bool trial, const gw_bake_callbacks *callbacks, gw_bake_result **result,
 						  gw_error *error)
 {
 	double start = gw_seconds();
@@ -141,12 +141,12 @@ gw_status gw_bake_checked(const gw_scene_description *scene, const gw_bake_optio
 	first.share = gw_half_sample_is_likely(scene->points, options) ? first.share : 1.0;
 	const gw_bake_callbacks of_first = gw_progress_part_callbacks(&first);
 	whole w = { .scene = scene, .options = options, .callbacks = callbacks, .told = first.share };
-	gw_status status = gw_bake_once(scene, options, (gw_bake_manner){ .device = &w.device },
-									&of_first, result, error);
+	const gw_bake_manner manner = { .trial = trial, .device = &w.device };
+	gw_status status = gw_bake_once(scene, options, manner, &of_first, result, error);
 	/* Two smaller bakes take less than twice as long as this one did. */
 	bool in_time =
 		!(options->time_limit > 0.0f) || gw_seconds() - start < 0.5 * (double)options->time_limit;
-	if (status == GW_OK && in_time &&
+	if (status == GW_OK && in_time && !(trial && (*result)->report.missed) &&
 		gw_half_sample_is_wanted(scene->points, options, &(*result)->report))
 		status = check_by_halves(&w, *result, error);
 	gw_gpu_destroy(&w.device);

@@ -276,8 +276,9 @@ static gw_refine_answer go_as_far_as_quality(const gw_refine_state *state, gw_de
 	gw_refine_state s = *state;
 	float normal = fminf(options.record_spacing, gw_bake_options_default().record_spacing);
 	bool gathered = is_gathered_most(e), enough = gw_error_floor(e) > HELPED * e->relative_rms;
-	if (enough || (!gathered && has_added(state) &&
-				   is_gathered_most(&state->round[state->round_count - 2].error)))
+	if (state->trial || enough ||
+		(!gathered && has_added(state) &&
+		 is_gathered_most(&state->round[state->round_count - 2].error)))
 		return GW_REFINE_OUT_OF_REACH;
 	if (is_noise_most(e))
 		return GW_REFINE_EXHAUSTED;

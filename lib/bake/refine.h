@@ -26,6 +26,7 @@ typedef struct gw_refine_state {
 	double round_seconds;           /* from placing records to the estimate */
 	double octree_seconds;          /* the octree and the direct light, where they were last made */
 	bool crowded;                   /* records stand as close as they may */
+	bool trial;                     /* light that misses its target is worth nothing */
 	const gw_round *round;          /* round_count rounds so far, this one the last; may be NULL */
 	uint32_t round_count;
 	float least_spacing; /* that added records keep, leaf cells */

@@ -107,8 +107,11 @@ static gw_status bake_surface(thinned *t, const gw_bake_callbacks *callbacks,
 	gw_bake_options options = *t->options;
 	options.surface_points = (uint32_t)t->surface.points.count;
 	options.region = !all && options.region ? &region : options.region;
-	GW_TRY(gw_bake_checked(&part, &options, callbacks, result, error));
-	gw_status status = all ? GW_OK : light_others(t, *result, error);
+	bool trial = t->most < t->limit;
+	GW_TRY(gw_bake_checked(&part, &options, trial, callbacks, result, error));
+	/* What is missed already the others would not mend. */
+	bool useless = trial && (*result)->report.missed;
+	gw_status status = all || useless ? GW_OK : light_others(t, *result, error);
 	if (status != GW_OK)
 		gw_bake_result_destroy(result);
 	return status;
@@ -129,6 +132,24 @@ static gw_status try_surface(thinned *t, gw_progress_part *part, gw_bake_result 
 	return status;
 }
 
+/* What keeps a target out of reach of some of the points, such as edges of shadows, is likely to do
+ * so of more of them, and only what is gathered gets as right as it does without a target. So
+ * records are as many from the start as there, which saves rounds; unless the caller chose other
+ * records. */
+static void begin_with_more_records(gw_bake_options *options)
+{
+	gw_bake_options start = *options, normal = *options;
+	gw_bake_options_set_start(&start);
+	gw_bake_options_set_quality(&normal, GW_QUALITY_NORMAL);
+	if (options->record_spacing != start.record_spacing ||
+		options->least_records != start.least_records ||
+		options->most_records != start.most_records)
+		return;
+	options->record_spacing = normal.record_spacing;
+	options->least_records = normal.least_records;
+	options->most_records = normal.most_records;
+}
+
 gw_status gw_bake(const gw_scene_description *scene, const gw_bake_options *options,
 				  const gw_bake_callbacks *callbacks, gw_bake_result **result, gw_error *error)
 {
@@ -137,7 +158,7 @@ gw_status gw_bake(const gw_scene_description *scene, const gw_bake_options *opti
 	*result = NULL;
 	options = options ? options : &ordinary;
 	GW_TRY(gw_options_check(options, scene, error));
-	const gw_bake_options effective = gw_options_effective(options);
+	gw_bake_options effective = gw_options_effective(options);
 	if (options->region && callbacks && callbacks->planned)
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "what the light of a region takes is not foretold; ask for no plan of it");
@@ -146,6 +167,8 @@ gw_status gw_bake(const gw_scene_description *scene, const gw_bake_options *opti
 	GW_TRY(try_surface(&t, &part, result, error));
 	while ((*result)->report.missed && t.most < t.limit) {
 		double stated = (*result)->report.error.relative_rms;
+		if ((*result)->report.goal == GW_GOAL_OUT_OF_REACH)
+			begin_with_more_records(&effective);
 		t.most = gw_surface_points_next(t.most, stated, (double)effective.max_error, t.limit);
 		gw_bake_result_destroy(result);
 		before = gw_seconds() - start;

@@ -199,6 +199,9 @@ static void a_target_out_of_reach_is_not_chased(void **state)
 	assert_true(fabs(wish.share - left / rest) < 1e-6);
 	assert_true(wish.least == o.record_spacing);
 	assert_int_equal(gw_refine_next(&s, &next, why), GW_REFINE_OUT_OF_REACH);
+	s.trial = true; /* and not even that where nobody wants light that misses it */
+	assert_int_equal(gw_refine_records(&s, &wish, why), GW_REFINE_OUT_OF_REACH);
+	s.trial = false;
 	s.crowded = true;
 	assert_int_equal(gw_refine_records(&s, &wish, why), GW_REFINE_OUT_OF_REACH);
 	s.crowded = false;
