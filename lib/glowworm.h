@@ -352,6 +352,9 @@ typedef struct gw_transport {
 	const char *name; /* for messages, such as a file's name */
 	const void *data; /* NULL, or what another bake wrote; any bytes are checked before use */
 	size_t length;    /* of data */
+	/* Reading data may raise a signal that the caller handles, as that of a file does that is
+	 * mapped and cut short: threads of drivers, which have no handlers, get copies. */
+	bool fleeting;
 	/* NULL, or called with the bytes in order. What it fails with is what gw_bake fails with. */
 	gw_status (*write)(void *user, const void *bytes, size_t length, gw_error *error);
 	void *user;

@@ -423,6 +423,7 @@ static gw_status light_points(bake *b)
 	const gw_transport transport = { .name = b->reused.name,
 									 .data = b->reused.data,
 									 .length = b->reused.length,
+									 .fleeting = b->reused.storage == INPUT_FILE_MAPPED,
 									 .write = b->transport ? write_transport : NULL,
 									 .user = b };
 	if (transport.data || transport.write)
@@ -645,14 +646,15 @@ static gw_status run(bake *b)
 		b->settings->bake.drivers = b->drivers = gw_drivers_load();
 	GW_TRY(read_inputs(b));
 	GW_TRY(check_results(b));
+	/* Mapped: most of a transport is used where it lies. */
 	if (b->settings->transport)
-		GW_TRY(input_file_open_as(&b->reused, b->settings->transport, UINT64_MAX, 0, b->error));
+		GW_TRY(input_file_open_as(&b->reused, b->settings->transport, 0, 0, b->error));
 	GW_TRY(loaded_scene_lights(&b->scene, b->settings, &b->light, b->error));
 	if (b->settings->explain && b->settings->frame_count > 0)
 		GW_TRY(explain_frames(b));
 	if (b->settings->frames)
 		return light_frames(b);
-	GW_TRY(light_points(b));
+	GW_TRY(input_file_check(&b->reused, light_points(b), b->error));
 	return write_results(b);
 }
 

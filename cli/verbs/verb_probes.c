@@ -130,7 +130,7 @@ static gw_status read_scene(probing *p)
 		GW_TRY(output_file_check_room(s->save_transport, TRANSPORT_BYTES * p->scene.cloud.count,
 									  p->error));
 	if (s->transport)
-		GW_TRY(input_file_open_as(&p->reused, s->transport, UINT64_MAX, 0, p->error));
+		GW_TRY(input_file_open_as(&p->reused, s->transport, 0, 0, p->error));
 	return loaded_scene_lights(&p->scene, s, &p->light, p->error);
 }
 
@@ -175,6 +175,7 @@ static gw_status light_and_place(probing *p)
 	const gw_transport transport = { .name = p->reused.name,
 									 .data = p->reused.data,
 									 .length = p->reused.length,
+									 .fleeting = p->reused.storage == INPUT_FILE_MAPPED,
 									 .write = p->transport ? write_transport : NULL,
 									 .user = p };
 	const gw_scene_description description = { &p->scene.points.points, p->light, s->light_count };
@@ -188,7 +189,7 @@ static gw_status light_and_place(probing *p)
 		status = place(p, scene);
 	gw_scene_destroy(&scene);
 	progress_clear(&p->progress);
-	return status;
+	return input_file_check(&p->reused, status, p->error);
 }
 
 /* The last of the files, because it takes the scene apart. */

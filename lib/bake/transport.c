@@ -340,7 +340,7 @@ static gw_status make_room(gw_scene *scene, arrival *a, gw_error *error)
 		status = gw_buffer_borrow(
 			scene->gpu,
 			&(gw_buffer_description){ GW_BUFFER_TEXEL, block->format, block->bytes, block->name },
-			a->from, block->buffer, error);
+			a->from, scene->options.transport->fleeting, block->buffer, error);
 	} else {
 		status = gw_buffer_create_unset(
 			scene->gpu,

@@ -119,8 +119,10 @@ typedef struct gw_buffer {
 	VkDeviceMemory memory;
 	uint64_t bytes; /* as asked for */
 	uint64_t allocated;
-	void *mapped; /* where its bytes lie if gw_gpu_shares_memory; else NULL */
-	bool lent;    /* these are somebody else's, and stay as they are */
+	void *mapped;  /* where its bytes lie if gw_gpu_shares_memory; else NULL */
+	bool lent;     /* these are somebody else's, and stay as they are */
+	bool fleeting; /* lent, and only for the threads of this program: a pass that the driver runs
+					  reads a copy, which becomes the buffer's */
 	VkFormat format;
 	const char *name;
 } gw_buffer;
@@ -158,10 +160,13 @@ bool gw_buffer_may_borrow(const gw_gpu *gpu, const void *bytes);
  * A texel buffer of bytes that lie there already, without a copy: for gw_buffer_may_borrow.
  *   description   of GW_BUFFER_TEXEL
  *   lent          stays the caller's, and as it is until the buffer is destroyed: nothing may write
- * to it, no pass either For the rest as gw_buffer_create.
+ * to it, no pass either
+ *   fleeting      reading it may take a handler of signals, which a driver's threads have not: the
+ * driver never reads it
+ * For the rest as gw_buffer_create.
  */
 gw_status gw_buffer_borrow(gw_gpu *gpu, const gw_buffer_description *description, const void *lent,
-						   gw_buffer *buffer, gw_error *error);
+						   bool fleeting, gw_buffer *buffer, gw_error *error);
 void gw_buffer_destroy(gw_gpu *gpu, gw_buffer *buffer); /* zeroes it; a zeroed one is accepted */
 
 /* Copies between host and buffer; `data` is the caller's again, or there, when they return. offset

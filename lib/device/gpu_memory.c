@@ -339,10 +339,12 @@ bool gw_buffer_may_borrow(const gw_gpu *gpu, const void *bytes)
 }
 
 gw_status gw_buffer_borrow(gw_gpu *gpu, const gw_buffer_description *description, const void *lent,
-						   gw_buffer *buffer, gw_error *error)
+						   bool fleeting, gw_buffer *buffer, gw_error *error)
 {
 	assert(description->kind == GW_BUFFER_TEXEL && gw_buffer_may_borrow(gpu, lent));
-	return begin_buffer(gpu, description, lent, buffer, error);
+	GW_TRY(begin_buffer(gpu, description, lent, buffer, error));
+	buffer->fleeting = fleeting;
+	return GW_OK;
 }
 
 gw_status gw_buffer_create(gw_gpu *gpu, const gw_buffer_description *description, gw_buffer *buffer,
@@ -523,8 +525,7 @@ void gw_view_close(gw_view *view)
 	*view = (gw_view){ 0 };
 }
 
-/* In place of what is lent the buffer gets memory of its own. */
-static gw_status own_bytes(gw_gpu *gpu, gw_buffer *buffer, gw_error *error)
+gw_status gw_buffer_own(gw_gpu *gpu, gw_buffer *buffer, gw_error *error)
 {
 	gw_buffer own;
 	GW_TRY(gw_buffer_create_unset(
@@ -542,7 +543,7 @@ gw_status gw_edit_open(gw_gpu *gpu, gw_buffer *buffer, gw_edit *edit, gw_error *
 {
 	*edit = (gw_edit){ 0 };
 	if (buffer->lent)
-		GW_TRY(own_bytes(gpu, buffer, error));
+		GW_TRY(gw_buffer_own(gpu, buffer, error));
 	gw_view view;
 	GW_TRY(gw_view_open(gpu, buffer, buffer->bytes, &view, error));
 	*edit = (gw_edit){ view.copy ? view.copy : buffer->mapped, buffer, view.copy };

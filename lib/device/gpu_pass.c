@@ -439,6 +439,18 @@ static gw_status check_bindings(const gw_gpu *gpu, const gw_pass *pass, const gw
 	return GW_OK;
 }
 
+/* What the driver reads is there to stay. */
+static gw_status own_fleeting(gw_gpu *gpu, const gw_pass *pass, const gw_binding *bindings,
+							  gw_error *error)
+{
+	for (uint32_t i = 0; i < pass->binding_count; i++) {
+		gw_buffer *buffer = bindings[i].buffer;
+		if (buffer && buffer->fleeting)
+			GW_TRY(gw_buffer_own(gpu, buffer, error));
+	}
+	return GW_OK;
+}
+
 static uint64_t greatest_common_divisor(uint64_t a, uint64_t b)
 {
 	while (b != 0) {
@@ -612,6 +624,7 @@ gw_status gw_pass_run(gw_gpu *gpu, gw_pass *pass, const gw_binding *bindings, co
 					   ": bake fewer points at once",
 					   pass->name, count, UINT32_MAX);
 	GW_TRY(check_bindings(gpu, pass, bindings, count, error));
+	GW_TRY(own_fleeting(gpu, pass, bindings, error));
 	cut limit;
 	GW_TRY(find_cut(gpu, pass, bindings, &limit, error));
 	for (uint64_t first = 0; first < count;) {

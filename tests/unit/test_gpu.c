@@ -284,7 +284,7 @@ static void test_borrowed(void **state)
 	assert_ok(gw_buffer_borrow(gpu,
 							   &(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT,
 														 4 * WORDS, "lent" },
-							   word, &in, &error),
+							   word, false, &in, &error),
 			  &error);
 	assert_ptr_equal(in.mapped, word);
 	gw_pass *pass = new_pass(gpu, "test_affine",
@@ -310,6 +310,20 @@ static void test_borrowed(void **state)
 	assert_ok(gw_buffer_download(gpu, &out, 0, got, sizeof got, &error), &error);
 	for (uint32_t i = 0; i < WORDS; i++)
 		assert_int_equal(got[i], (i > 0 ? word[i] * 3 : 0) + i + 5);
+	gw_buffer_destroy(gpu, &in);
+	/* Of what may vanish, the driver reads a copy. */
+	assert_ok(gw_buffer_borrow(gpu,
+							   &(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT,
+														 4 * WORDS, "fleeting" },
+							   word, true, &in, &error),
+			  &error);
+	assert_ptr_equal(in.mapped, word);
+	assert_ok(gw_pass_run(gpu, pass, bindings, (uint32_t[]){ 0, 0, 5 }, WORDS, &error), &error);
+	assert_false(in.lent || in.fleeting);
+	assert_ptr_not_equal(in.mapped, word);
+	assert_ok(gw_buffer_download(gpu, &out, 0, got, sizeof got, &error), &error);
+	for (uint32_t i = 0; i < WORDS; i++)
+		assert_int_equal(got[i], word[i] * 3 + i + 5);
 	gw_pass_destroy(gpu, &pass);
 	gw_buffer_destroy(gpu, &in);
 	gw_buffer_destroy(gpu, &out);
