@@ -93,8 +93,10 @@ typedef struct gw_surfels {
 	size_t point_count;
 	gw_stray *stray; /* stray_count; NULL when there is none */
 	size_t stray_count;
-	float spacing;        /* metres, median of sqrt(area): width of a surfel's share of surface */
-	double given_area;    /* m^2, sum of area */
+	float spacing;     /* metres, median of sqrt(area): width of a surfel's share of surface */
+	double given_area; /* m^2, sum of area */
+	const void *lent;  /* arrays that lie in these lent_bytes are not its own; or NULL */
+	size_t lent_bytes;
 	bool seen_from_above; /* normals were missing, and it is ground that was seen from above alone:
 							 what of these faces up does so rightly */
 	/* What was repaired, for the report. Normals count surfels, the others points. */

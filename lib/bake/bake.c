@@ -134,11 +134,11 @@ static void drop_shapes(bake *b, bool lit)
 	bool large = b->light.plan.lamps && scene->octree.tree_discs > 0;
 	if (again || (large && (!lit || relit)))
 		return;
-	free(s->clip);
+	gw_free_unless_lent(s->clip, s->lent, s->lent_bytes);
 	s->clip = NULL;
 	if (b->light.plan.lamps)
 		return;
-	free(s->bend);
+	gw_free_unless_lent(s->bend, s->lent, s->lent_bytes);
 	s->bend = NULL;
 }
 

@@ -135,7 +135,7 @@ gw_status gw_scene_replace_emission(gw_scene *scene, const float *emission, size
 		return status;
 	}
 	gw_scene_forget_samples(scene);
-	free(scene->surfels.emission);
+	gw_free_unless_lent(scene->surfels.emission, scene->surfels.lent, scene->surfels.lent_bytes);
 	scene->surfels.emission = to.surfels;
 	scene->surfels.emission_repaired = to.repaired;
 	replace_of_strays(&scene->surfels, emission);

@@ -21,7 +21,7 @@
 #include <string.h>
 
 #define MAGIC "glowworm transport\n"
-#define VERSION 23u
+#define VERSION 24u
 
 /* Blocks are read and checked in chunks, by all threads. */
 #define CHUNK_BYTES (UINT64_C(1) << 20)
@@ -331,7 +331,9 @@ static gw_status make_room(gw_scene *scene, arrival *a, gw_error *error)
 {
 	const gw_transport_block *block = a->block;
 	gw_status status = GW_OK;
-	if (block->host) {
+	if (block->stays && scene->surfels.lent) {
+		*block->host = (void *)(uintptr_t)a->from;
+	} else if (block->host) {
 		a->to = *block->host = gw_allocate_array(block->bytes, 1);
 		if (!a->to)
 			return gw_fail(error, GW_ERROR_MEMORY, "no memory for the %s", block->name);
@@ -371,7 +373,7 @@ static gw_status take_blocks(gw_scene *scene, const gw_transport *t, arrivals *a
 	}
 	for (size_t i = 0; i < all->count && status == GW_OK; i++) {
 		const arrival *a = &all->arrival[i];
-		if (!a->to && !a->lent)
+		if (!a->to && !a->lent && !a->block->host)
 			status =
 				gw_buffer_upload(scene->gpu, a->block->buffer, 0, a->from, a->block->bytes, error);
 	}
@@ -426,6 +428,16 @@ static bool density_fits(const gw_scene *scene)
 		   are_spacings(scene, d->surfel_spacing, scene->surfels.count);
 }
 
+/* Arrays of the host are used where they lie, if the widest of their elements may lie there. */
+static void lend_arrays(gw_scene *scene, const gw_transport *t)
+{
+	if ((uintptr_t)t->data % _Alignof(gw_check_node) != 0)
+		return;
+	scene->surfels.lent = t->data;
+	scene->surfels.lent_bytes = t->length;
+	scene->read_back.lent = scene->check_tree.lent = true;
+}
+
 static gw_status read_blocks(gw_scene *scene, const gw_transport *t, const head *h, gw_error *error)
 {
 	gw_transport_block blocks[GW_TRANSPORT_BLOCKS];
@@ -437,6 +449,7 @@ static gw_status read_blocks(gw_scene *scene, const gw_transport *t, const head 
 					   t->length < h->length ? "this transport ends too early"
 											 : "this transport has another length than it says",
 					   error);
+	lend_arrays(scene, t);
 	arrivals all = { .count = count };
 	const unsigned char *at = t->data;
 	bool fits = padding_fits(sizeof *h, at);
@@ -452,7 +465,8 @@ static gw_status read_blocks(gw_scene *scene, const gw_transport *t, const head 
 	GW_TRY(take_blocks(scene, t, &all, error));
 	GW_TRY(gw_compartments_fit(&scene->octree, &fits, error));
 	if (!fits || !tree_fits(scene, &all) || !rows_fit(scene, &h->numbers) || !density_fits(scene) ||
-		!gw_placed_probes_fit(&scene->probes))
+		!gw_placed_probes_fit(&scene->probes) ||
+		!gw_check_tree_fits(&scene->check_tree, scene->surfels.count))
 		return damaged(t, "this transport is damaged", error);
 	return GW_OK;
 }

@@ -30,6 +30,7 @@
 #define DOUBTED 128u     /* whether there is a surface, for the estimated error */
 #define FROM_ABOVE 256u  /* no block: seen from above alone, for the estimated error */
 #define ADDED 512u       /* records were, where these stand closer than others */
+#define CHECKED 1024u    /* the tree of discs by which an estimate checks */
 
 /* Bits of gw_transport_numbers.apart. */
 #define ROWS_APART 1u
@@ -84,7 +85,9 @@ gw_transport_numbers gw_transport_numbers_of(const gw_scene *scene)
 	n.optional = (s->shading_normal ? NOISY : 0) | (s->shading_normal_off ? OFF : 0) |
 				 (s->albedo_of_point ? POINTS_ALBEDO : 0) | (s->bend ? BENT : 0) | discs_of(scene) |
 				 (scene->sampled_moment.handle ? MOMENTS : 0) | (s->doubt ? DOUBTED : 0) |
-				 (s->seen_from_above ? FROM_ABOVE : 0) | (scene->density.facet_spacing ? ADDED : 0);
+				 (s->seen_from_above ? FROM_ABOVE : 0) |
+				 (scene->density.facet_spacing ? ADDED : 0) |
+				 (scene->check_tree.surfel ? CHECKED : 0);
 	n.check_points = scene->check_points.count;
 	n.check_point_rays = scene->check_points.rays;
 	n.check_points_lit = scene->check_points.emitted != NULL;
@@ -119,7 +122,7 @@ bool gw_transport_numbers_fit(const gw_transport_numbers *n)
 		   n->rays <= 4096 && (uint64_t)n->rays * n->records <= UINT32_MAX && n->emits <= 2 &&
 		   n->looked <= 1 && n->portals <= GW_PORTALS_MOST && n->opened == (n->portals > 0) &&
 		   n->optional <= (NOISY | OFF | POINTS_ALBEDO | CUT | BENT | CREASED | MOMENTS | DOUBTED |
-						   FROM_ABOVE | ADDED) &&
+						   FROM_ABOVE | ADDED | CHECKED) &&
 		   (n->tree_discs == 0 || n->optional & CUT) &&
 		   (!(n->optional & MOMENTS) || n->light_samples > 0) && n->check_points <= n->surfels &&
 		   n->check_point_rays <= 4096 &&
@@ -167,6 +170,9 @@ void gw_transport_numbers_restore(const gw_transport_numbers *n, gw_scene *scene
 								   .shut_out = n->apart & HITS_APART ? n->records : 0 };
 	scene->portals =
 		(gw_portals){ .looked = n->looked, .count = n->portals, .escaped = n->escaped };
+	scene->check_tree = (gw_check_tree){
+		.nodes = n->optional & CHECKED ? (uint32_t)gw_check_tree_nodes((size_t)n->surfels) : 0
+	};
 	scene->check_points =
 		(gw_check_point_hits){ .count = n->check_points, .rays = n->check_point_rays };
 	gw_probe_numbers_restore(&n->probes, &scene->probes);
@@ -191,6 +197,14 @@ static gw_transport_block *host(list *l, const char *name, void *array, uint64_t
 	assert(l->count < GW_TRANSPORT_BLOCKS);
 	gw_transport_block *block = &l->block[l->count++];
 	*block = (gw_transport_block){ .name = name, .host = array, .bytes = bytes };
+	return block;
+}
+
+/* The same, which is used where it lies, if it lies there well. */
+static gw_transport_block *lent(list *l, const char *name, void *array, uint64_t bytes)
+{
+	gw_transport_block *block = host(l, name, array, bytes);
+	block->stays = true;
 	return block;
 }
 
@@ -228,33 +242,33 @@ static void list_surfels(list *l, gw_scene *scene, const gw_transport_numbers *n
 {
 	gw_surfels *s = &scene->surfels;
 	uint64_t count = n->surfels;
-	host(l, "positions", &s->position, 12 * count);
-	host(l, "normals", &s->normal, 12 * count);
+	lent(l, "positions", &s->position, 12 * count);
+	lent(l, "normals", &s->normal, 12 * count);
 	if (n->optional & NOISY)
-		host(l, "shading normals", &s->shading_normal, 12 * count);
+		lent(l, "shading normals", &s->shading_normal, 12 * count);
 	if (n->optional & OFF)
-		host(l, "errors of normals", &s->shading_normal_off, 4 * count);
-	host(l, "albedo", &s->albedo, 12 * count);
+		lent(l, "errors of normals", &s->shading_normal_off, 4 * count);
+	lent(l, "albedo", &s->albedo, 12 * count);
 	if (n->emits)
-		host(l, "emission", &s->emission, 12 * count);
+		lent(l, "emission", &s->emission, 12 * count);
 	if (n->dark_slot)
-		host(l, "transparency", &s->transparency, 4 * count);
-	host(l, "distances", &s->nearest, 4 * count);
-	host(l, "radii", &s->radius, 4 * count);
-	host(l, "areas", &s->area, 4 * count);
-	host(l, "sides", &s->two_sided, count);
+		lent(l, "transparency", &s->transparency, 4 * count);
+	lent(l, "distances", &s->nearest, 4 * count);
+	lent(l, "radii", &s->radius, 4 * count);
+	lent(l, "areas", &s->area, 4 * count);
+	lent(l, "sides", &s->two_sided, count);
 	if (n->optional & CUT)
-		host(l, "cuts", &s->clip, 24 * count);
+		lent(l, "cuts", &s->clip, 24 * count);
 	if (n->optional & BENT)
-		host(l, "bends", &s->bend, 12 * count);
+		lent(l, "bends", &s->bend, 12 * count);
 	if (n->optional & CREASED)
-		host(l, "creases", &s->creased, count);
+		lent(l, "creases", &s->creased, count);
 	if (n->optional & DOUBTED)
-		host(l, "doubts", &s->doubt, 4 * count);
-	index_below(host(l, "surfels of points", &s->surfel_of_point, 4 * n->points), 0, count,
+		lent(l, "doubts", &s->doubt, 4 * count);
+	index_below(lent(l, "surfels of points", &s->surfel_of_point, 4 * n->points), 0, count,
 				UINT32_MAX, 1);
 	if (n->optional & POINTS_ALBEDO)
-		host(l, "albedo of points", &s->albedo_of_point, 12 * n->points);
+		lent(l, "albedo of points", &s->albedo_of_point, 12 * n->points);
 	if (n->strays > 0)
 		host(l, "strays", &s->stray, sizeof(gw_stray) * n->strays);
 }
@@ -334,15 +348,26 @@ static void list_records(list *l, gw_scene *scene, const gw_transport_numbers *n
 	if (n->opened)
 		words(l, "sky through portals", &scene->rays.through, 4 * (uint64_t)n->records,
 			  WORDS_LIMIT);
-	index_below(host(l, "rows of surfels", &scene->read_back.first, 4 * (n->surfels + 1)), 0,
+	index_below(lent(l, "rows of surfels", &scene->read_back.first, 4 * (n->surfels + 1)), 0,
 				(uint64_t)n->entries + 1, UINT32_MAX, 1);
-	index_below(host(l, "records of surfels", &scene->read_back.record, 4 * (uint64_t)n->entries),
+	index_below(lent(l, "records of surfels", &scene->read_back.record, 4 * (uint64_t)n->entries),
 				0, n->records, UINT32_MAX, 1);
-	host(l, "weights of surfels", &scene->read_back.weight, 4 * (uint64_t)n->entries);
+	lent(l, "weights of surfels", &scene->read_back.weight, 4 * (uint64_t)n->entries);
 	if (n->optional & ADDED) {
 		host(l, "spacing of facets", &scene->density.facet_spacing, 4 * slots);
 		host(l, "spacing of surfels", &scene->density.surfel_spacing, 4 * n->surfels);
 	}
+}
+
+static void list_check_tree(list *l, gw_scene *scene, const gw_transport_numbers *n)
+{
+	gw_check_tree *tree = &scene->check_tree;
+	if (!(n->optional & CHECKED))
+		return;
+	gw_transport_block *order = lent(l, "tree of discs", &tree->surfel, 4 * n->surfels);
+	index_below(order, 0, n->surfels, UINT32_MAX, 1);
+	order->all = true;
+	lent(l, "boxes of discs", &tree->node, sizeof *tree->node * (uint64_t)tree->nodes);
 }
 
 static void list_check_points(list *l, gw_scene *scene, const gw_transport_numbers *n)
@@ -383,6 +408,7 @@ size_t gw_transport_list(gw_scene *scene, const gw_transport_numbers *numbers,
 	list_compartments(&l, &scene->octree, numbers);
 	list_leaves(&l, &scene->octree, numbers);
 	list_records(&l, scene, numbers);
+	list_check_tree(&l, scene, numbers);
 	list_check_points(&l, scene, numbers);
 	list_probes(&l, scene, numbers);
 	if (numbers->light_samples)

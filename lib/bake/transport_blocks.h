@@ -50,9 +50,10 @@ typedef struct gw_transport_block {
 	uint32_t mask;  /* bits of a word that are the index */
 	uint32_t step;  /* in words, from one index to the next */
 	bool all;       /* GW_NONE is none of them */
+	bool stays;     /* of the host: never written to, and may be somebody else's */
 } gw_transport_block;
 
-/* As many as a scene has in which all is there that one may have (70), and some. */
+/* As many as a scene has in which all is there that one may have (72), and some. */
 #define GW_TRANSPORT_BLOCKS 80u
 
 gw_transport_numbers gw_transport_numbers_of(const gw_scene *scene);

@@ -64,6 +64,13 @@ void *gw_resize_array(void *array, size_t count, size_t size)
 	return wish(realloc(array, bytes > 0 ? bytes : 1), bytes);
 }
 
+void gw_free_unless_lent(void *array, const void *lent, size_t bytes)
+{
+	uintptr_t at = (uintptr_t)array, from = (uintptr_t)lent;
+	if (lent == NULL || at < from || at - from >= bytes)
+		free(array);
+}
+
 /* Reads one number from a file such as the kernel writes; false for "max" or when it isn't there.
  */
 static bool read_number(const char *path, uint64_t *value)

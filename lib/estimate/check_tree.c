@@ -222,7 +222,9 @@ bool gw_check_tree_fits(const gw_check_tree *tree, size_t count)
 
 void gw_check_tree_clear(gw_check_tree *tree)
 {
-	free(tree->surfel);
-	free(tree->node);
+	if (!tree->lent) {
+		free(tree->surfel);
+		free(tree->node);
+	}
 	*tree = (gw_check_tree){ 0 };
 }

@@ -26,6 +26,7 @@ typedef struct gw_check_tree {
 	uint32_t *surfel; /* one a disc, in the tree's order: the disc is that of the surfel */
 	gw_check_node *node;
 	uint32_t nodes; /* 0: the discs are so few that they need none */
+	bool lent;      /* the arrays are somebody else's, and stay as they are */
 } gw_check_tree;
 
 /*

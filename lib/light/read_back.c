@@ -276,9 +276,11 @@ gw_status gw_read_back_again(const gw_record_context *on, const gw_buffer *reach
 
 void gw_read_back_clear(gw_read_back *read_back)
 {
-	free(read_back->first);
-	free(read_back->record);
-	free(read_back->weight);
+	if (!read_back->lent) {
+		free(read_back->first);
+		free(read_back->record);
+		free(read_back->weight);
+	}
 	*read_back = (gw_read_back){ 0 };
 }
 

@@ -16,6 +16,7 @@ typedef struct gw_read_back {
 	float *weight;    /* first[count]; of a row they sum to 1 */
 	uint32_t parted;  /* of so many records it was seen that none is in another compartment than its
 						 row: rows_apart.h */
+	bool lent;        /* the arrays are somebody else's, and stay as they are */
 } gw_read_back;
 
 /* Finds the rows of all surfels. On success *read_back is owned by the caller. */

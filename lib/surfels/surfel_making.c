@@ -306,25 +306,27 @@ gw_status gw_surfels_make(const gw_points *points, const gw_surfels_options *opt
 
 void gw_surfels_clear(gw_surfels *surfels)
 {
-	free(surfels->position);
-	free(surfels->normal);
-	free(surfels->shading_normal);
-	free(surfels->shading_normal_off);
-	free(surfels->normal_length);
-	free(surfels->albedo);
-	free(surfels->emission);
-	free(surfels->transparency);
-	free(surfels->nearest);
-	free(surfels->radius);
-	free(surfels->area);
-	free(surfels->clip);
-	free(surfels->bend);
-	free(surfels->creased);
-	free(surfels->two_sided);
-	free(surfels->doubt);
-	free(surfels->noise);
-	free(surfels->surfel_of_point);
-	free(surfels->albedo_of_point);
-	free(surfels->stray);
+	void *const array[] = { surfels->position,
+							surfels->normal,
+							surfels->shading_normal,
+							surfels->shading_normal_off,
+							surfels->normal_length,
+							surfels->albedo,
+							surfels->emission,
+							surfels->transparency,
+							surfels->nearest,
+							surfels->radius,
+							surfels->area,
+							surfels->clip,
+							surfels->bend,
+							surfels->creased,
+							surfels->two_sided,
+							surfels->doubt,
+							surfels->noise,
+							surfels->surfel_of_point,
+							surfels->albedo_of_point,
+							surfels->stray };
+	for (size_t i = 0; i < sizeof array / sizeof *array; i++)
+		gw_free_unless_lent(array[i], surfels->lent, surfels->lent_bytes);
 	memset(surfels, 0, sizeof *surfels);
 }
