@@ -39,11 +39,17 @@ static double number_of(uint64_t point, uint64_t seed)
 
 /* ------------------------------------------------------------------------------------ drawing */
 
+/* As fmin, which would be a call for each of millions. */
+static double clipped(double value, double most)
+{
+	return value < most ? value : most;
+}
+
 static double sum_clipped(const bool *counts, const double *part, size_t points, double most)
 {
 	double sum = 0.0;
 	for (size_t i = 0; i < points; i++)
-		sum += counts[i] ? fmin(part[i], most) : 0.0;
+		sum += counts[i] ? clipped(part[i], most) : 0.0;
 	return sum;
 }
 
@@ -76,8 +82,9 @@ static double add_part(const gw_check_point_shares *from, size_t k, uint32_t wan
 	const bool *counts = from->counts;
 	double sum, most = most_of_part(from, k, wanted, &sum), added = 0.0;
 	for (size_t i = 0; i < from->points; i++) {
-		double share =
-			sum > 0.0 && counts[i] ? fmin(fmin(from->part[k][i], most) / sum, 1.0 / wanted) : 0.0;
+		double share = sum > 0.0 && counts[i]
+						   ? clipped(clipped(from->part[k][i], most) / sum, 1.0 / wanted)
+						   : 0.0;
 		double others = k > 0 ? probability[i] : counts[i] ? even : 0.0;
 		probability[i] = others + share;
 		added += share;

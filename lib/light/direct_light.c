@@ -413,7 +413,7 @@ typedef struct light_normals {
 /* Buffers of gw_direct_light. */
 typedef struct lit_buffers {
 	gw_buffer visibility, own_normal, off_normal;
-	gw_given_sum given;
+	double given; /* by the lamps so far */
 	gw_large_discs discs;
 	bool discs_known; /* the first lamp that reaches anything asks for them */
 } lit_buffers;
@@ -512,7 +512,6 @@ gw_status gw_direct_light(const gw_lit_cloud *cloud, const gw_light *lights, siz
 	if (status == GW_OK)
 		status = light_facets(cloud, to, &b.discs, error);
 	gw_large_discs_clear(&b.discs);
-	gw_given_sum_clear(&b.given);
 	gw_buffer_destroy(cloud->passes->gpu, &b.off_normal);
 	gw_buffer_destroy(cloud->passes->gpu, &b.own_normal);
 	gw_buffer_destroy(cloud->passes->gpu, &b.visibility);

@@ -20,7 +20,7 @@ typedef struct emitter_row {
 
 /* What a table of emitters is made from, emitters->count each. */
 typedef struct table_room {
-	emitter_row *rows;
+	emitter_row *rows; /* the table itself, where its buffer is in reach */
 	double *share;
 	gw_alias_row *alias;
 } table_room;
@@ -35,7 +35,7 @@ static uint32_t list_emitters(const float *radiance, const float *centre, size_t
 		double power = gw_luminance(&radiance[4 * i]) * (double)centre[4 * i + 3];
 		if (!(power > 0.0))
 			continue;
-		room->rows[n].facet = (uint32_t)i;
+		room->rows[n] = (emitter_row){ .facet = (uint32_t)i };
 		room->share[n++] = power;
 		*total += power;
 	}
@@ -59,30 +59,43 @@ static gw_status make_table(gw_gpu *gpu, const table_room *room, uint32_t n, gw_
 		room->rows[i].alias = room->alias[i].alias;
 		room->rows[i].probability = room->alias[i].probability;
 	}
-	GW_TRY(gw_buffer_create(gpu,
-							&(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_UINT,
-													  bytes, "emitter table" },
-							&emitters->table, error));
-	return gw_buffer_upload(gpu, &emitters->table, 0, room->rows, bytes, error);
+	for (uint32_t i = n; i < emitters->count; i++)
+		room->rows[i] = (emitter_row){ 0 };
+	return room->rows == emitters->table.mapped
+			   ? GW_OK
+			   : gw_buffer_upload(gpu, &emitters->table, 0, room->rows, bytes, error);
+}
+
+/* The table's buffer, and room to make it in: there, if that is in reach. */
+static gw_status make_room(gw_gpu *gpu, gw_emitters *emitters, table_room *room, gw_error *error)
+{
+	const gw_buffer_description table = { GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_UINT,
+										  sizeof *room->rows * (uint64_t)emitters->count,
+										  "emitter table" };
+	GW_TRY(gw_buffer_create_unset(gpu, &table, &emitters->table, error));
+	room->rows = gw_gpu_shares_memory(gpu) ? emitters->table.mapped
+										   : gw_allocate_array(emitters->count, sizeof *room->rows);
+	room->share = gw_allocate_array(emitters->count, sizeof *room->share);
+	room->alias = gw_allocate_array(emitters->count, sizeof *room->alias);
+	return room->rows && room->share && room->alias
+			   ? GW_OK
+			   : gw_fail(error, GW_ERROR_MEMORY, "no memory for %u emitters", emitters->count);
 }
 
 static gw_status upload_table(gw_gpu *gpu, const gw_octree *octree, const float *radiance,
 							  const float *centre, gw_emitters *emitters, gw_error *error)
 {
-	const table_room room = { gw_allocate_zeros(emitters->count, sizeof *room.rows),
-							  gw_allocate_array(emitters->count, sizeof *room.share),
-							  gw_allocate_array(emitters->count, sizeof *room.alias) };
-	gw_status status = GW_OK;
-	if (!room.rows || !room.share || !room.alias) {
-		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for %u emitters", emitters->count);
-	} else {
+	table_room room = { 0 };
+	gw_status status = make_room(gpu, emitters, &room, error);
+	if (status == GW_OK) {
 		double total;
 		uint32_t n = list_emitters(radiance, centre, 2 * (size_t)octree->leaf_count, &room, &total);
 		emitters->power = (float)total;
 		mark_rows(octree, n, room.rows);
 		status = make_table(gpu, &room, n, emitters, error);
 	}
-	free(room.rows);
+	if (room.rows != emitters->table.mapped)
+		free(room.rows);
 	free(room.share);
 	free(room.alias);
 	return status;

@@ -259,21 +259,24 @@ gw_status gw_large_discs_mean(const gw_lit_cloud *cloud, const gw_large_discs *d
 {
 	gw_gpu *gpu = cloud->passes->gpu;
 	uint64_t bytes = 16 * (uint64_t)cloud->surfels->count;
-	float *irradiance = gw_allocate_array(cloud->surfels->count, 4 * sizeof *irradiance);
-	if (!irradiance)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the light of %zu surfels",
-					   cloud->surfels->count);
-	gw_status status = gw_buffer_download(gpu, surfels, 0, irradiance, bytes, error);
-	if (status == GW_OK)
-		status = gw_buffer_create(gpu,
+	gw_view irradiance;
+	gw_edit edit = { 0 };
+	GW_TRY(gw_buffer_create_unset(gpu,
 								  &(gw_buffer_description){ GW_BUFFER_TEXEL,
 															VK_FORMAT_R32G32B32A32_SFLOAT, bytes,
 															"mean irradiance of discs" },
-								  means, error);
-	if (status == GW_OK) {
-		add_more(discs, irradiance);
-		status = gw_buffer_upload(gpu, means, 0, irradiance, bytes, error);
-	}
-	free(irradiance);
+								  means, error));
+	gw_status status = gw_view_open(gpu, surfels, bytes, &irradiance, error);
+	if (status == GW_OK)
+		status = gw_buffer_upload(gpu, means, 0, irradiance.bytes, bytes, error);
+	gw_view_close(&irradiance);
+	if (status == GW_OK)
+		status = gw_edit_open(gpu, means, &edit, error);
+	if (status == GW_OK)
+		add_more(discs, edit.bytes);
+	if (status == GW_OK)
+		status = gw_edit_close(gpu, &edit, true, error);
+	if (status != GW_OK)
+		gw_buffer_destroy(gpu, means);
 	return status;
 }

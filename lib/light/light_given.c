@@ -4,11 +4,9 @@
 #include "light/light_given.h"
 
 #include "base/luminance.h"
-#include "base/memory.h"
 #include "light/shader_functions.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 /* Does any surfel face the light, in its beam? */
 static gw_light_fate fate_of(const gw_lit_cloud *cloud, const gw_lamp *lamp)
@@ -30,27 +28,19 @@ static gw_light_fate fate_of(const gw_lit_cloud *cloud, const gw_lamp *lamp)
 }
 
 gw_status gw_given_book(const gw_lit_cloud *cloud, const gw_lamp *lamp, const gw_buffer *irradiance,
-						gw_light_given *given, gw_given_sum *sum, gw_error *error)
+						gw_light_given *given, double *before, gw_error *error)
 {
 	size_t count = cloud->surfels->count;
 	double flux = 0.0;
-	if (!sum->host)
-		sum->host = gw_allocate_array(count, 4 * sizeof *sum->host);
-	if (!sum->host)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the light of %zu surfels", count);
-	GW_TRY(gw_buffer_download(cloud->passes->gpu, irradiance, 0, sum->host, 16 * (uint64_t)count,
-							  error));
+	gw_view light;
+	GW_TRY(gw_view_open(cloud->passes->gpu, irradiance, 16 * (uint64_t)count, &light, error));
 	for (size_t i = 0; i < count; i++)
 		if (!cloud->asked || cloud->asked[i])
-			flux += (double)cloud->surfels->area[i] * gw_luminance(sum->host + 4 * i);
-	given->share = fmax(flux - sum->before, 0.0);
-	given->fate = flux > sum->before || cloud->asked ? GW_LIGHT_SHINES : fate_of(cloud, lamp);
-	sum->before = flux;
+			flux +=
+				(double)cloud->surfels->area[i] * gw_luminance((const float *)light.bytes + 4 * i);
+	gw_view_close(&light);
+	given->share = fmax(flux - *before, 0.0);
+	given->fate = flux > *before || cloud->asked ? GW_LIGHT_SHINES : fate_of(cloud, lamp);
+	*before = flux;
 	return GW_OK;
-}
-
-void gw_given_sum_clear(gw_given_sum *sum)
-{
-	free(sum->host);
-	*sum = (gw_given_sum){ .host = NULL };
 }
