@@ -157,6 +157,7 @@ static gw_status build(gw_frames *f, size_t frame, gw_error *error)
 	gw_frames_drop_geometry(f);
 	f->built = false;
 	gw_surfel_parts_move(&f->parts, f->motion, frame, &f->scene.surfels);
+	gw_check_tree_clear(&f->scene.check_tree);
 	if (tree && shares(f) && !f->prepared)
 		GW_TRY(prepare_still(f, error));
 	GW_TRY(stage(f, "octree", 0.2, error));

@@ -234,10 +234,14 @@ void gw_scene_report_space(const gw_scene *scene)
 gw_status gw_scene_find_space(gw_scene *scene, const gw_points *points, gw_error *error)
 {
 	const gw_bake_options *o = &scene->options;
-	if (gw_options_forbid(o, GW_EFFECT_GAPS))
+	bool known = scene->space.state != NULL;
+	if (gw_options_forbid(o, GW_EFFECT_GAPS)) {
+		gw_scanned_space_clear(&scene->space);
 		return GW_OK;
-	GW_TRY(gw_scanned_space_make(points, &scene->surfels, o->threads, &scene->space, error));
-	if (scene->space.scanners == 0)
+	}
+	if (!known)
+		GW_TRY(gw_scanned_space_make(points, &scene->surfels, o->threads, &scene->space, error));
+	if (!known && scene->space.scanners == 0)
 		GW_TRY(gw_surface_holes_find(&scene->surfels, o->threads, &scene->space, error));
 	gw_scene_report_space(scene);
 	return GW_OK;

@@ -173,7 +173,8 @@ gw_surfels_options gw_scene_surfels_options(gw_scene *scene, const gw_light *lig
  */
 gw_status gw_scene_make_surfels(gw_scene *scene, const gw_scene_description *from, gw_error *error);
 
-/* Finds out what scanners saw of the space between the surfels, or where these have holes. */
+/* Finds out what scanners saw of the space between the surfels, or where these have holes, unless a
+ * transport brought that. */
 gw_status gw_scene_find_space(gw_scene *scene, const gw_points *points, gw_error *error);
 
 /* Writes what is known of it into the report; finding does so, too. */

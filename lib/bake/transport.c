@@ -465,7 +465,7 @@ static gw_status read_blocks(gw_scene *scene, const gw_transport *t, const head 
 	GW_TRY(take_blocks(scene, t, &all, error));
 	GW_TRY(gw_compartments_fit(&scene->octree, &fits, error));
 	if (!fits || !tree_fits(scene, &all) || !rows_fit(scene, &h->numbers) || !density_fits(scene) ||
-		!gw_placed_probes_fit(&scene->probes) ||
+		!gw_placed_probes_fit(&scene->probes) || !gw_space_fits(&scene->space) ||
 		!gw_check_tree_fits(&scene->check_tree, scene->surfels.count))
 		return damaged(t, "this transport is damaged", error);
 	return GW_OK;

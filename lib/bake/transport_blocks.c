@@ -96,6 +96,7 @@ gw_transport_numbers gw_transport_numbers_of(const gw_scene *scene)
 	snprintf(n.why_coarser, sizeof n.why_coarser, "%s", o->why_coarser);
 	n.probes = scene->probes.numbers;
 	n.compartments = gw_compartments_numbers_of(o);
+	n.space = gw_space_numbers_of(&scene->space);
 	n.apart = (scene->read_back.parted == r->count ? ROWS_APART : 0) |
 			  (scene->rays.shut_out == r->count ? HITS_APART : 0);
 	memcpy(n.origin, s->origin, sizeof n.origin);
@@ -114,7 +115,9 @@ bool gw_transport_numbers_fit(const gw_transport_numbers *n)
 	for (int k = 0; k < 3; k++)
 		if (!isfinite(n->origin[k]) || !isfinite(n->cube_minimum[k]))
 			return false;
-	return gw_probe_numbers_fit(&n->probes) && n->apart <= (ROWS_APART | HITS_APART) &&
+	return gw_probe_numbers_fit(&n->probes) &&
+		   gw_space_numbers_fit(&n->space, n->minimum, n->maximum) &&
+		   n->apart <= (ROWS_APART | HITS_APART) &&
 		   gw_compartments_numbers_fit(&n->compartments, n->tiles, n->leaf_tiles) &&
 		   n->surfels > 0 && n->tree_discs <= n->surfels && n->surfels <= 2 * n->points &&
 		   n->points <= POINTS_MAX && n->strays <= n->points && n->depth >= 1 &&
@@ -176,6 +179,7 @@ void gw_transport_numbers_restore(const gw_transport_numbers *n, gw_scene *scene
 	scene->check_points =
 		(gw_check_point_hits){ .count = n->check_points, .rays = n->check_point_rays };
 	gw_probe_numbers_restore(&n->probes, &scene->probes);
+	gw_space_numbers_restore(&n->space, &scene->space);
 	scene->read_back = (gw_read_back){ .count = (size_t)n->surfels,
 									   .parted = n->apart & ROWS_APART ? n->records : 0 };
 	memcpy(s->origin, n->origin, sizeof n->origin);
@@ -359,6 +363,16 @@ static void list_records(list *l, gw_scene *scene, const gw_transport_numbers *n
 	}
 }
 
+static void list_space(list *l, gw_scanned_space *space, const gw_space_numbers *n)
+{
+	if (n->cells[0] == 0)
+		return;
+	host(l, "space between surfels", &space->state, gw_space_cells_of(n));
+	host(l, "cells of holes", &space->hole_cell, 8 * (uint64_t)n->hole_cells);
+	if (n->solid > 0)
+		host(l, "blocks of solids", &space->solid_block, gw_space_blocks_of(n));
+}
+
 static void list_check_tree(list *l, gw_scene *scene, const gw_transport_numbers *n)
 {
 	gw_check_tree *tree = &scene->check_tree;
@@ -408,6 +422,7 @@ size_t gw_transport_list(gw_scene *scene, const gw_transport_numbers *numbers,
 	list_compartments(&l, &scene->octree, numbers);
 	list_leaves(&l, &scene->octree, numbers);
 	list_records(&l, scene, numbers);
+	list_space(&l, &scene->space, &numbers->space);
 	list_check_tree(&l, scene, numbers);
 	list_check_points(&l, scene, numbers);
 	list_probes(&l, scene, numbers);

@@ -6,6 +6,7 @@
 
 #include "bake/scene.h"
 #include "octree/compartments_kept.h"
+#include "surfels/space_kept.h"
 
 /* The numbers of a scene, at fixed places and of fixed size. */
 typedef struct gw_transport_numbers {
@@ -37,6 +38,7 @@ typedef struct gw_transport_numbers {
 	gw_compartments_numbers compartments;
 	uint32_t apart; /* 1: no row has a record of another compartment than its own, 2: nor a ray hit
 					   surface of one */
+	gw_space_numbers space; /* between the surfels */
 } gw_transport_numbers;
 
 /* One array. */
@@ -53,7 +55,7 @@ typedef struct gw_transport_block {
 	bool stays;     /* of the host: never written to, and may be somebody else's */
 } gw_transport_block;
 
-/* As many as a scene has in which all is there that one may have (72), and some. */
+/* As many as a scene has in which all is there that one may have (75), and some. */
 #define GW_TRANSPORT_BLOCKS 80u
 
 gw_transport_numbers gw_transport_numbers_of(const gw_scene *scene);
