@@ -57,7 +57,8 @@ size_t gw_surface_points_most(const gw_points *points, const gw_bake_options *op
 size_t gw_surface_points_next(size_t tried, double error, double wanted, size_t most)
 {
 	size_t next = tried > 0 ? tried : FIRST_TRIED;
-	while (tried > 0 && next < most && error > wanted) {
+	/* At least once: its spread may be what missed the target. */
+	for (bool more = tried > 0; more && next<most; more = error> wanted) {
 		next *= STEP;
 		error *= 0.25;
 	}

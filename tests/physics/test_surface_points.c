@@ -379,6 +379,8 @@ static void an_error_asks_for_more(void **state)
 	assert_int_equal(gw_surface_points_next(50000, 0.15, 0.05, 100000000), 800000);
 	assert_int_equal(gw_surface_points_next(50000, 0.3, 0.05, 100000000), 100000000);
 	assert_int_equal(gw_surface_points_next(50000, 0.06, 0.05, 10000000), 10000000);
+	/* One that missed it by its spread alone is not tried again. */
+	assert_int_equal(gw_surface_points_next(50000, 0.04, 0.05, 100000000), 800000);
 	assert_int_equal(gw_surface_points_next(0, 0.0, 0.05, 700000), 700000);
 	assert_int_equal(gw_surface_points_next(0, 0.0, 0.05, 3000), 3000);
 }
