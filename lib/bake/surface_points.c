@@ -57,10 +57,11 @@ size_t gw_surface_points_most(const gw_points *points, const gw_bake_options *op
 size_t gw_surface_points_next(size_t tried, double error, double wanted, size_t most)
 {
 	size_t next = tried > 0 ? tried : FIRST_TRIED;
-	/* At least once: its spread may be what missed the target. */
-	for (bool more = tried > 0; more && next<most; more = error> wanted) {
+	while (tried > 0 && next < most) {
 		next *= STEP;
 		error *= 0.25;
+		if (error <= wanted) /* asked last: its spread may be what missed the target */
+			break;
 	}
 	return next <= most / STEP ? next : most;
 }
