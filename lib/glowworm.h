@@ -358,7 +358,15 @@ typedef struct gw_transport {
 	/* NULL, or called with the bytes in order. What it fails with is what gw_bake fails with. */
 	gw_status (*write)(void *user, const void *bytes, size_t length, gw_error *error);
 	void *user;
+	uint64_t note; /* of the caller's, kept with what is written */
 } gw_transport;
+
+/*
+ * The note of a transport that another bake wrote.
+ *   transport   name, data and length
+ * Fails with GW_ERROR_DATA when its beginning is none of this version's.
+ */
+gw_status gw_transport_note(const gw_transport *transport, uint64_t *note, gw_error *error);
 
 struct gw_camera; /* glowworm_picture.h */
 

@@ -26,9 +26,9 @@
 /* Whether what is asked for needs no more than one point after the other. */
 static bool asks_for_points_alone(const settings *s, const format *output)
 {
-	return output && output->write_head && !s->vdb_points && !s->save_transport && !s->transport &&
-		   !s->region && s->frame_count == 0 && s->path_count == 0 &&
-		   s->strays != SETTINGS_STRAYS_DROP && s->points.albedo != SCAN_ALBEDO_INTENSITY;
+	return output && output->write_head && !s->vdb_points && !s->region && s->frame_count == 0 &&
+		   s->path_count == 0 && s->strays != SETTINGS_STRAYS_DROP &&
+		   s->points.albedo != SCAN_ALBEDO_INTENSITY;
 }
 
 /* Whether one file has all points, as they are. */
@@ -62,8 +62,8 @@ static uint64_t whole_groups(const parted_cloud *parted, uint64_t part)
 	return part > together ? part / together * together : together;
 }
 
-gw_status parted_cloud_open(const settings *s, const format *output, parted_cloud *parted,
-							gw_error *error)
+gw_status parted_cloud_open(const settings *s, const format *output, const uint64_t *kept,
+							parted_cloud *parted, gw_error *error)
 {
 	const format_options options = { s->format, s->columns, s->bake.threads };
 	*parted = (parted_cloud){ .most = 0 };
@@ -77,7 +77,7 @@ gw_status parted_cloud_open(const settings *s, const format *output, parted_clou
 	uint64_t part = parted->file.count / PARTS_WANTED;
 	part = part < PART_LEAST ? PART_LEAST : part < PART_MOST ? part : PART_MOST;
 	parted->part = (size_t)whole_groups(parted, part);
-	parted->most = points_for(memory_for(s), parted->file.count);
+	parted->most = kept ? (size_t)*kept : points_for(memory_for(s), parted->file.count);
 	return GW_OK;
 }
 

@@ -23,10 +23,12 @@ typedef struct parted_cloud {
  * be read in parts: one cloud alone, in a file and a format that allow it as that of the results
  * does, with nothing asked for that takes all points at once. Otherwise they are read as usual.
  *   output   the format of the results, or NULL
+ *   kept     NULL, or how many points another bake kept, 0 for all, whose transport this one begins
+ *            with
  *   parted   to be given back with parted_cloud_close
  */
-gw_status parted_cloud_open(const settings *settings, const format *output, parted_cloud *parted,
-							gw_error *error);
+gw_status parted_cloud_open(const settings *settings, const format *output, const uint64_t *kept,
+							parted_cloud *parted, gw_error *error);
 
 /*
  * Keeps account of the bake in a journal, with which parted_cloud_thin then begins: where another

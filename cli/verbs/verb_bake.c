@@ -35,7 +35,8 @@ typedef struct bake {
 	const format *format; /* of the output */
 	output_file *output, *report, *transport;
 	ranks ranks;         /* who work together */
-	input_file reused;   /* a transport */
+	input_file reused;   /* a transport, */
+	uint64_t kept;       /* of so many points of a parted cloud, or of all: 0 */
 	parted_cloud parted; /* where memory does not hold the input */
 	loaded_scene scene;
 	region_points region;
@@ -272,6 +273,11 @@ static gw_status open_account(bake *b, const char *path)
 		GW_TRY(ranks_wait(&b->ranks, b->error));
 	if (!b->parted.file.found || (b->parted.most == 0 && !there))
 		return open_alone(b);
+	if (s->resume && s->save_transport)
+		return gw_fail(
+			b->error, GW_ERROR_USAGE,
+			"--resume goes on with the light of a bake by parts, not with its transport: "
+			"leave --save-transport out, or --resume");
 	GW_TRY(parted_cloud_keep(&b->parted, s, &use, b->error));
 	GW_TRY(output_file_create_lasting(&b->output, s->output, s->force, s->resume, b->error));
 	if (!b->parted.begun)
@@ -295,11 +301,28 @@ static gw_status keep_account(bake *b)
 	return status;
 }
 
+/* A transport, and how many points of a parted cloud it is of; NULL: there is none. */
+static gw_status open_transport(bake *b, const uint64_t **kept)
+{
+	*kept = NULL;
+	if (!b->settings->transport)
+		return GW_OK;
+	/* Mapped: most of a transport is used where it lies. */
+	GW_TRY(input_file_open_as(&b->reused, b->settings->transport, 0, 0, b->error));
+	const gw_transport reused = { .name = b->reused.name,
+								  .data = b->reused.data,
+								  .length = b->reused.length };
+	*kept = &b->kept;
+	return input_file_check(&b->reused, gw_transport_note(&reused, &b->kept, b->error), b->error);
+}
+
 static gw_status read_inputs(bake *b)
 {
+	const uint64_t *kept;
 	double start = now();
+	GW_TRY(open_transport(b, &kept));
 	progress_show(&b->progress, "read", 0.0);
-	GW_TRY(parted_cloud_open(b->settings, b->settings->frames ? NULL : b->format, &b->parted,
+	GW_TRY(parted_cloud_open(b->settings, b->settings->frames ? NULL : b->format, kept, &b->parted,
 							 b->error));
 	GW_TRY(keep_account(b));
 	parted_cloud *parted = b->parted.most > 0 ? &b->parted : NULL;
@@ -425,7 +448,8 @@ static gw_status light_points(bake *b)
 									 .length = b->reused.length,
 									 .fleeting = b->reused.storage == INPUT_FILE_MAPPED,
 									 .write = b->transport ? write_transport : NULL,
-									 .user = b };
+									 .user = b,
+									 .note = b->parted.most };
 	if (transport.data || transport.write)
 		options.transport = &transport;
 	if (b->settings->region) {
@@ -646,9 +670,6 @@ static gw_status run(bake *b)
 		b->settings->bake.drivers = b->drivers = gw_drivers_load();
 	GW_TRY(read_inputs(b));
 	GW_TRY(check_results(b));
-	/* Mapped: most of a transport is used where it lies. */
-	if (b->settings->transport)
-		GW_TRY(input_file_open_as(&b->reused, b->settings->transport, 0, 0, b->error));
 	GW_TRY(loaded_scene_lights(&b->scene, b->settings, &b->light, b->error));
 	if (b->settings->explain && b->settings->frame_count > 0)
 		GW_TRY(explain_frames(b));

@@ -39,6 +39,7 @@ typedef struct head {
 	gw_transport_identity identity;
 	fixed_settings settings;
 	gw_transport_numbers numbers;
+	uint64_t note;
 	uint64_t hash; /* of what stands before it */
 } head;
 
@@ -172,6 +173,7 @@ static gw_status write_scene(gw_scene *scene, const gw_transport_identity *point
 	h.numbers = gw_transport_numbers_of(scene);
 	size_t count = gw_transport_list(scene, &h.numbers, blocks);
 	h.length = length_of(blocks, count);
+	h.note = transport->note;
 	h.hash = gw_hash(0, &h, offsetof(head, hash));
 	GW_TRY(transport->write(transport->user, &h, sizeof h, error));
 	GW_TRY(pad(transport, sizeof h, error));
@@ -213,6 +215,15 @@ static gw_status read_head(const gw_transport *t, head *h, gw_error *error)
 		return damaged(t, "this transport was written by another version of glowworm", error);
 	if (h->hash != gw_hash(0, h, offsetof(head, hash)) || !gw_transport_numbers_fit(&h->numbers))
 		return damaged(t, "this transport is damaged at its start", error);
+	return GW_OK;
+}
+
+gw_status gw_transport_note(const gw_transport *transport, uint64_t *note, gw_error *error)
+{
+	head h;
+	*note = 0;
+	GW_TRY(read_head(transport, &h, error));
+	*note = h.note;
 	return GW_OK;
 }
 

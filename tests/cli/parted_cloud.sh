@@ -14,6 +14,14 @@ grep -o '^ "points": [0-9]*' parted.json
 awk -F'[:,]' '/^ "surface_points"/ { print ($2 > 20000 && $2 < 63000) ? "a part" : $2 }' parted.json
 bake cave.ply -q -j 1 --memory 340M --explain -o one.ply 2>/dev/null
 [ "$(body one.ply)" = "$(body parted.ply)" ] && echo "by one thread: the same"
+# A transport keeps the points that were chosen, however much memory the next bake may take.
+bake cave.ply -q --memory 340M --save-transport kept -o saved.ply
+bake cave.ply -q --transport kept -o again.ply
+for lit in saved again; do
+	[ "$(body $lit.ply)" = "$(body parted.ply)" ] && echo "$lit: the same"
+done
+head -c 60 kept >short
+bake cave.ply -q --transport short -o short-lit.ply 2>&1
 # All points, in their order, with what they brought.
 table() { glowworm convert "$1" - --output-format csv | cut -d, -f1-6,13-15 | tail -n +2 | md5sum; }
 bake cave.ply -q --surface-points 20000 -o thin.ply

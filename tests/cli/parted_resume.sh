@@ -79,3 +79,4 @@ bake_few -f --resume
 # Where it could not keep anything.
 run 2 bake $what --light "$lamp" --resume -o -
 run 2 bake $what --light "$lamp" --resume -o grid.ply --vdb grid.vdb
+run 2 bake $what --light "$lamp" --resume --save-transport kept -f -o lit.ply
