@@ -91,7 +91,7 @@ gw_status gw_half_sample_make(const gw_points *points, uint32_t level, gw_point_
 							  gw_error *error)
 {
 	const hashed_points hashed = { points, level };
-	const gw_subset_choice every_other = { 2, 1, takes_by_hash, &hashed };
+	const gw_subset_choice every_other = { 2, 1, takes_by_hash, &hashed, true };
 	return gw_point_subset_make(points, &every_other, half, error);
 }
 

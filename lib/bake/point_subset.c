@@ -131,7 +131,10 @@ static gw_status no_memory(const gw_point_subset *subset, gw_error *error)
 gw_status gw_point_subset_make(const gw_points *points, const gw_subset_choice *choice,
 							   gw_point_subset *subset, gw_error *error)
 {
-	*subset = (gw_point_subset){ .points = *points };
+	gw_points given = *points;
+	given.instance_count = choice->instances ? points->instance_count : 0;
+	points = &given;
+	*subset = (gw_point_subset){ .points = given };
 	subset->from = gw_allocate_array(points->count, sizeof *subset->from);
 	subset->image_cell = gw_allocate_array(points->count, sizeof *subset->image_cell);
 	subset->image = gw_allocate_array(points->image_count + 1, sizeof *subset->image);

@@ -20,12 +20,13 @@ typedef struct gw_point_subset {
 } gw_point_subset;
 
 /* Which points are taken. Of points in rows and columns every column and row whose number these
- * two divide, so that they are rows and columns still; of others those that `takes` says. Of an
- * object that stands in several places the same ones in each of them. */
+ * two divide, so that they are rows and columns still; of others those that `takes` says. */
 typedef struct gw_subset_choice {
 	uint32_t columns, rows; /* at least 1 */
 	bool (*takes)(const void *user, size_t point);
 	const void *user;
+	bool instances; /* of an object in several places the same points in each, so that they are
+					   instances still; else they are points like others */
 } gw_subset_choice;
 
 /*

@@ -345,7 +345,8 @@ static gw_status choose(grid *g, uint8_t *taken, const surface_wish *wish, gw_po
 	cube_table t = { .mask = power_of_two(1024) - 1 };
 	t.cube = gw_allocate_zeros(t.mask + 1, sizeof *t.cube);
 	t.point = gw_allocate_array(t.mask + 1, sizeof *t.point);
-	const gw_subset_choice choice = { columns, rows, is_taken, taken };
+	/* What stands for a cube is the mean of its points: no place has the cubes of another. */
+	const gw_subset_choice choice = { columns, rows, is_taken, taken, false };
 	gw_status status = find_width(g, fmax(share * (double)in_cubes, 1.0), wish->threads, error);
 	bool good = status == GW_OK && t.cube && t.point && take_from_cubes(g, &t, taken);
 	if (good)

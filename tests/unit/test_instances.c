@@ -171,7 +171,7 @@ static void some_of_the_points(void **state)
 	make_place(&p);
 	gw_point_subset some;
 	gw_error error = { 0 };
-	const gw_subset_choice choice = { 1, 1, takes_some, NULL };
+	gw_subset_choice choice = { 1, 1, takes_some, NULL, true };
 	assert_int_equal(gw_point_subset_make(&p.points, &choice, &some, &error), GW_OK);
 	assert_int_equal(some.points.instance_count, PLACES);
 	for (size_t k = 0; k < PLACES; k++) {
@@ -184,6 +184,13 @@ static void some_of_the_points(void **state)
 	gw_surfels s = make(&some.points);
 	assert_int_equal(s.count, some.points.count);
 	gw_surfels_clear(&s);
+	gw_point_subset_clear(&some);
+	/* Or those that are chosen by themselves, which repeat nothing. */
+	choice.instances = false;
+	assert_int_equal(gw_point_subset_make(&p.points, &choice, &some, &error), GW_OK);
+	assert_int_equal(some.points.instance_count, 0);
+	for (size_t i = 0; i < some.points.count; i++)
+		assert_int_equal(some.from[i], 3 * i);
 	gw_point_subset_clear(&some);
 }
 
