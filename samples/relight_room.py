@@ -21,7 +21,8 @@ class Points(c.Structure):  # gw_points
                 ("image", c.c_void_p), ("image_count", c.c_size_t), ("image_cell", c.c_void_p),
                 ("own_area", c.c_void_p), ("beam_share", c.c_void_p), ("stray", c.c_void_p),
                 ("keep_strays", c.c_bool), ("up", c.c_char),
-                ("normal_sideless", c.c_bool)]
+                ("normal_sideless", c.c_bool), ("instance", c.c_void_p),
+                ("instance_count", c.c_size_t)]
 
 
 class Light(c.Structure):  # gw_light
