@@ -35,18 +35,33 @@ uint32_t gw_octree_auto_depth(const gw_surfels *surfels)
 	return depth_of(extent_of(surfels) / ((double)GW_LEAF_SPACING * (double)surfels->spacing));
 }
 
-/* Bytes of the list of fragments that has to be bound as a whole. */
-static bool fragments_fit(const gw_octree_work *work, uint64_t fragments)
+/* The most fragments whose list can be bound as a whole. */
+static uint64_t most_fragments(gw_gpu *gpu)
 {
-	return 4 * fragments <= gw_gpu_limits(work->gpu)->maxStorageBufferRange &&
-		   fragments <= gw_gpu_limits(work->gpu)->maxTexelBufferElements && fragments < UINT32_MAX;
+	const VkPhysicalDeviceLimits *limits = gw_gpu_limits(gpu);
+	uint64_t most = limits->maxStorageBufferRange / 4;
+	most = most < limits->maxTexelBufferElements ? most : limits->maxTexelBufferElements;
+	return most < UINT32_MAX - 1 ? most : UINT32_MAX - 1;
 }
 
-/* There are too many fragments: says so, and at which depth there aren't. */
+static bool fragments_fit(const gw_octree_work *work, uint64_t fragments)
+{
+	return fragments <= most_fragments(work->gpu);
+}
+
+/* There are too many fragments: says so, and at which depth there aren't, where nobody tries. */
 static gw_status fail_fragments(gw_octree_work *work, uint64_t fragments, gw_error *error)
 {
 	uint32_t depth = work->octree->depth, fitting = depth;
 	uint64_t fewer = fragments;
+	if (work->too_many) {
+		*work->too_many = fragments;
+		return gw_fail(error, GW_ERROR_MEMORY,
+					   "an octree of depth %u needs a list of %llu bytes, but \"%s\" binds at most "
+					   "%u",
+					   depth, 4 * (unsigned long long)fragments, gw_gpu_device(work->gpu)->name,
+					   gw_gpu_limits(work->gpu)->maxStorageBufferRange);
+	}
 	while (--fitting > 0) {
 		gw_octree_forget_upload(work);
 		GW_TRY(gw_octree_upload(work, fitting, error));
@@ -186,6 +201,17 @@ static void note_coarser(double leaf_size, const gw_error *reason, float *wanted
 	snprintf(why, GW_OCTREE_WHY, "%.*s", GW_OCTREE_WHY - 1, reason->text);
 }
 
+/* How many times as wide leaves are to be tried next. Those that are wider by the root of 2 have
+ * half of the fragments at least: a disc's are as many as the squares of leaves that it covers, and
+ * some along its rim. So those that are too many still are not tried. */
+static double widening(gw_gpu *gpu, uint64_t too_many)
+{
+	double width = M_SQRT2;
+	for (uint64_t least = too_many / 2; least > most_fragments(gpu); least /= 2)
+		width *= M_SQRT2;
+	return width;
+}
+
 gw_status gw_octree_without_tree(gw_gpu *gpu, const gw_octree_task *task, gw_octree *octree,
 								 gw_error *error)
 {
@@ -212,12 +238,15 @@ gw_status gw_octree_build_spaced(gw_gpu *gpu, const gw_surfels *surfels, float l
 							 .geometry = geometry,
 							 .leaf_size = (double)leaf_spacing * (double)surfels->spacing };
 	float wanted = 0.0f;
+	uint64_t too_many;
 	char why[GW_OCTREE_WHY] = "";
+	start.too_many = &too_many;
 	memset(octree, 0, sizeof *octree);
 	if (surfels->count == 0 || surfels->count > GW_FRAGMENT_SURFEL)
 		return fail_count(surfels, error);
 	for (;;) {
 		uint32_t depth = depth_of(extent_of(surfels) / start.leaf_size);
+		too_many = 0;
 		gw_status status = build_once(&start, depth, error);
 		if (status == GW_OK) {
 			octree->wanted_leaf_size = wanted;
@@ -226,7 +255,7 @@ gw_status gw_octree_build_spaced(gw_gpu *gpu, const gw_surfels *surfels, float l
 		if (status != GW_ERROR_MEMORY || depth == 1)
 			return status;
 		note_coarser(start.leaf_size, error, &wanted, why);
-		start.leaf_size *= 1.4142135623730951;
+		start.leaf_size *= widening(gpu, too_many);
 	}
 }
 
@@ -268,7 +297,8 @@ static gw_status build_first(gw_octree_work *start, uint32_t depth, float leaf_s
 			return status;
 		gw_fragment_list_clear(&kept->still);
 		note_coarser(kept->leaf_size, error, &kept->wanted_leaf_size, kept->why_coarser);
-		kept->leaf_size *= 1.4142135623730951;
+		kept->leaf_size *= widening(start->gpu, *start->too_many);
+		*start->too_many = 0;
 	}
 }
 
@@ -290,6 +320,9 @@ gw_status gw_octree_build_kept(gw_gpu *gpu, const gw_octree_task *task, gw_octre
 							 .geometry = true,
 							 .still = task->still,
 							 .kept = *kept };
+	uint64_t too_many = 0;
+	if (first && task->depth == GW_DEPTH_AUTO)
+		start.too_many = &too_many;
 	gw_status status = first ? build_first(&start, task->depth, task->leaf_spacing, error)
 							 : build_again(&start, error);
 	if (status == GW_OK) {

@@ -43,6 +43,8 @@ typedef struct gw_octree_work {
 	gw_octree *octree;
 	bool geometry;        /* leaf_geometry is asked for */
 	double leaf_size;     /* metres; leaves are at least this wide */
+	uint64_t *too_many;   /* NULL, or receives how many fragments there are when the device takes
+							 fewer: wider leaves are tried then */
 	size_t still;         /* surfels whose fragments are kept: the first ones */
 	gw_octree_kept *kept; /* NULL, or what they are kept in; not owned */
 	size_t from, some;    /* surfels whose fragments are made: the first, and how many */
