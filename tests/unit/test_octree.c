@@ -931,6 +931,40 @@ static void test_refusals(void **state)
 	close_gpu(gpu);
 }
 
+/* Where the device binds little, leaves get wider by the root of 2 until their fragments fit, and
+ * not once more; those that are known to be too many are not tried: points go up once a try. */
+static void test_wider_leaves(void **state)
+{
+	(void)state;
+	gw_gpu *gpu = open_gpu((gw_gpu_options){ 0 });
+	gw_error error = { 0 };
+	gw_surfels s;
+	gw_octree octree;
+	make_scattered(2000, 9, 0.2f, &s);
+	assert_ok(gw_octree_build_spaced(gpu, &s, 0.125f, true, &octree, &error), &error);
+	uint32_t fine = octree.fragment_count, most = fine / 6, steps = 0;
+	gw_octree_destroy(gpu, &octree);
+	uint64_t before = gw_gpu_read_account(gpu).uploaded_bytes;
+	gpu->device.properties.limits.maxStorageBufferRange = 4 * most;
+	assert_ok(gw_octree_build_spaced(gpu, &s, 0.125f, true, &octree, &error), &error);
+	uint64_t uploaded = gw_gpu_read_account(gpu).uploaded_bytes - before;
+	assert_true(octree.fragment_count <= most && octree.wanted_leaf_size > 0.0f);
+	gw_octree_destroy(gpu, &octree);
+	gpu->device.properties.limits.maxStorageBufferRange = UINT32_MAX;
+	for (uint32_t count = fine; count > most; steps++) {
+		float spacing = 0.125f * exp2f(0.5f * (float)(steps + 1));
+		assert_ok(gw_octree_build_spaced(gpu, &s, spacing, true, &octree, &error), &error);
+		count = octree.fragment_count;
+		gw_octree_destroy(gpu, &octree);
+	}
+	/* Of 6 times as many, one step and two are too few for certain. A try takes 80 bytes a point,
+	 * what is built 48 more for colours and discs, and a page for what is no point's. */
+	assert_true(steps >= 3);
+	assert_in_range(uploaded, 1, s.count * (80 * (uint64_t)(steps - 1) + 48) + 4096);
+	gw_surfels_clear(&s);
+	close_gpu(gpu);
+}
+
 /* Whichever allocation fails, everything is given back. */
 static void test_short_memory(void **state)
 {
@@ -958,13 +992,14 @@ static void test_short_memory(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_morton),     cmocka_unit_test(test_auto_depth),
-		cmocka_unit_test(test_prefix_sum), cmocka_unit_test(test_large_total),
-		cmocka_unit_test(test_sort),       cmocka_unit_test(test_topology),
-		cmocka_unit_test(test_discs),      cmocka_unit_test(test_leaves),
-		cmocka_unit_test(test_sphere),     cmocka_unit_test(test_plane),
-		cmocka_unit_test(test_repeatable), cmocka_unit_test(test_odd_surfels),
-		cmocka_unit_test(test_refusals),   cmocka_unit_test(test_short_memory),
+		cmocka_unit_test(test_morton),       cmocka_unit_test(test_auto_depth),
+		cmocka_unit_test(test_prefix_sum),   cmocka_unit_test(test_large_total),
+		cmocka_unit_test(test_sort),         cmocka_unit_test(test_topology),
+		cmocka_unit_test(test_discs),        cmocka_unit_test(test_leaves),
+		cmocka_unit_test(test_sphere),       cmocka_unit_test(test_plane),
+		cmocka_unit_test(test_repeatable),   cmocka_unit_test(test_odd_surfels),
+		cmocka_unit_test(test_refusals),     cmocka_unit_test(test_wider_leaves),
+		cmocka_unit_test(test_short_memory),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
