@@ -115,6 +115,11 @@ typedef struct gw_object_instance {
 							and scale evenly */
 } gw_object_instance;
 
+/* Whether a matrix turns, mirrors, moves and scales evenly, and does nothing else, to the relative
+ * tolerance by which squared lengths and products of its columns may differ, above 0. Instances and
+ * movers may be off by 1e-4. */
+bool gw_matrix_is_even(const double matrix[16], double tolerance);
+
 /* The points of one scene. Nothing here is modified or kept after gw_bake returns. */
 typedef struct gw_points {
 	size_t count;           /* number of points; 0 is an error */

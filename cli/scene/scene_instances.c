@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* How far columns of a matrix may be from equally long and perpendicular, relative to their squared
- * length: a tenth of what the library allows for two of them together. */
+/* How uneven a matrix may be, relative: points are moved by it, their surfels by one that is even,
+ * so that they come apart by that much of an object's width. */
 #define EVEN 1e-5
 
 /* A third of the squared lengths of the columns of a matrix: of an even one, its squared scale. */
@@ -19,18 +19,6 @@ static double squared_scale(const double m[16])
 		for (size_t k = 0; k < 3; k++)
 			sum += m[4 * row + k] * m[4 * row + k];
 	return sum / 3.0;
-}
-
-static bool is_even(const double m[16])
-{
-	double size = squared_scale(m);
-	bool even = size > 0.0 && isfinite(size);
-	for (size_t a = 0; a < 3; a++)
-		for (size_t b = 0; b < 3; b++) {
-			double product = m[a] * m[b] + m[4 + a] * m[4 + b] + m[8 + a] * m[8 + b];
-			even = even && fabs(product - (a == b ? size : 0.0)) <= EVEN * size;
-		}
-	return even;
 }
 
 /* From where an even matrix brings something to where another one does. */
@@ -55,7 +43,7 @@ static bool keeps_shape(const settings *s, const loaded_scene *scene, size_t fir
 {
 	bool even = end > first + 1 && !scene->input[first].is_mesh;
 	for (size_t i = first; i < end && even; i++)
-		even = s->input[i].has_matrix && is_even(s->input[i].matrix) &&
+		even = s->input[i].has_matrix && gw_matrix_is_even(s->input[i].matrix, EVEN) &&
 			   scene->input[i].points == scene->input[first].points;
 	return even;
 }

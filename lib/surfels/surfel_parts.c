@@ -56,13 +56,13 @@ static void turn(const similarity *s, const double v[3], double out[3])
 
 /* ------------------------------------------------------------------------------------ checks */
 
-static bool is_even(const double m[16])
+bool gw_matrix_is_even(const double m[16], double tolerance)
 {
 	double size = (column_dot(m, 0, 0) + column_dot(m, 1, 1) + column_dot(m, 2, 2)) / 3;
 	bool even = size > 0.0 && isfinite(size);
 	for (size_t a = 0; a < 3 && even; a++)
 		for (size_t b = 0; b < 3; b++)
-			even = even && fabs(column_dot(m, a, b) - (a == b ? size : 0.0)) <= EVEN * size;
+			even = even && fabs(column_dot(m, a, b) - (a == b ? size : 0.0)) <= tolerance * size;
 	for (size_t row = 0; row < 3; row++)
 		even = even && fabs(m[4 * row + 3]) <= GW_COORDINATE_MAX;
 	return even && m[12] == 0.0 && m[13] == 0.0 && m[14] == 0.0 && m[15] == 1.0;
@@ -86,7 +86,7 @@ static gw_status check_movers(const gw_points *points, const gw_motion *motion, 
 	}
 	for (size_t f = 0; f < motion->frame_count; f++)
 		for (size_t i = 0; i < motion->mover_count; i++)
-			if (!is_even(matrix_of(motion, f, i)))
+			if (!gw_matrix_is_even(matrix_of(motion, f, i), EVEN))
 				return gw_fail(error, GW_ERROR_DATA,
 							   "%s %zu is stretched, skewed or flattened in frame %zu; it may be "
 							   "moved, turned and scaled evenly",
