@@ -95,6 +95,8 @@ typedef struct gw_surfels {
 	size_t stray_count;
 	float spacing;     /* metres, median of sqrt(area): width of a surfel's share of surface */
 	double given_area; /* m^2, sum of area */
+	float disc_most;   /* leaf cells, 1 or more: octrees hold discs of larger radii in a tree of
+						  their own; 0: as is usual */
 	const void *lent;  /* arrays that lie in these lent_bytes are not its own; or NULL */
 	size_t lent_bytes;
 	bool seen_from_above; /* normals were missing, and it is ground that was seen from above alone:

@@ -256,6 +256,7 @@ typedef struct settings {
 	uint32_t worst_count;                      /* points that worst holds */
 	float max_rel_rmse, max_best_99, max_bias; /* limits; NAN: none */
 	const char *region;                        /* of bake, as given; NULL: all */
+	uint32_t tiles;                            /* of a cloud, at least; 0: it has none */
 	const char *measure_box, *measure_path;    /* as given; NULL: everywhere */
 	float measure_reach;                       /* from that path, metres */
 	settings_gain *gain;                       /* owned; of mix */

@@ -36,6 +36,21 @@ static gw_status light_part(const parted_result *r, uint64_t number, lit_part *p
 	return signals_check(error);
 }
 
+gw_status parted_result_light_part(const parted_result *r, uint64_t number, const settings *s,
+								   scan *lit, gw_error *error)
+{
+	lit_part p;
+	double exposure;
+	*lit = (scan){ 0 };
+	gw_status status = light_part(r, number, &p, error);
+	if (status == GW_OK)
+		status = lit_scan_make(&p.scene, p.light, s, lit, &exposure, error);
+	if (status != GW_OK)
+		scan_clear(lit);
+	clear(&p);
+	return status;
+}
+
 /* ------------------------------------------------------------------------------------ the light */
 
 gw_status parted_result_load(const loaded_scene *scene, gw_bake_result **light, gw_error *error)
@@ -80,7 +95,8 @@ gw_status parted_result_open(parted_result *r, gw_error *error)
 							   error));
 	if (r->loaded)
 		return GW_OK;
-	GW_TRY(measure(r, error));
+	if (r->settings->tiles == 0)
+		GW_TRY(measure(r, error));
 	if (!journal)
 		return GW_OK;
 	GW_TRY(gw_bake_result_save(r->light, &to, error));
@@ -132,16 +148,10 @@ static gw_status write_part(writer *w, uint64_t number,
 											 gw_error *error),
 							gw_error *error)
 {
-	lit_part p;
-	double exposure;
-	scan lit = { 0 };
-	gw_status status = light_part(w->result, number, &p, error);
-	if (status == GW_OK)
-		status = lit_scan_make(&p.scene, p.light, &w->settings, &lit, &exposure, error);
-	if (status == GW_OK)
-		status = use(w, number, &lit, error);
+	scan lit;
+	GW_TRY(parted_result_light_part(w->result, number, &w->settings, &lit, error));
+	gw_status status = use(w, number, &lit, error);
 	scan_clear(&lit);
-	clear(&p);
 	GW_TRY(status);
 	w->written += w->result->ranks.count; /* the others are as far */
 	double done = (double)w->written / (double)w->parts;

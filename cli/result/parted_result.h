@@ -33,6 +33,11 @@ gw_status parted_result_load(const loaded_scene *scene, gw_bake_result **light, 
 gw_status parted_result_open(parted_result *result, gw_error *error);
 void parted_result_close(parted_result *result);
 
+/* A part with its light, as it is written, by settings with an exposure.
+ *   lit   to be freed with scan_clear; empty on failure */
+gw_status parted_result_light_part(const parted_result *result, uint64_t number,
+								   const settings *settings, scan *lit, gw_error *error);
+
 /*
  * Lights all points and writes them in the order of the file.
  *   exposure   receives the exposure value of the preview

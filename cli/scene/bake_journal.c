@@ -164,11 +164,14 @@ gw_status bake_journal_open(const bake_journal_use *use, const settings *s,
 /* ------------------------------------------------------------------------ what others left behind
  */
 
-static gw_status remove_left(const char *journal, const char *part, gw_error *error)
+static gw_status remove_left(const char *journal, const char *part, const char *tiles,
+							 gw_error *error)
 {
 	journal_file *left;
 	GW_TRY(journal_file_open(&left, journal, true, true, error));
 	unlink(part);
+	if (tiles)
+		unlink(tiles);
 	journal_file_close(&left, true);
 	return GW_OK;
 }
@@ -193,13 +196,15 @@ gw_status bake_journal_left(const settings *s, bool needed, gw_error *error)
 {
 	char *journal = output_file_beside(s->output, BAKE_JOURNAL_NAME);
 	char *part = output_file_beside(s->output, OUTPUT_FILE_PART);
+	char *tiles = output_file_beside(s->output, BAKE_JOURNAL_TILES OUTPUT_FILE_PART);
 	gw_status status = GW_OK;
 	if (!journal || !part)
 		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the name of a file");
 	else if (access(journal, F_OK) == 0)
-		status = s->force ? remove_left(journal, part, error)
+		status = s->force ? remove_left(journal, part, tiles, error)
 						  : say_left(s, journal, part, needed, error);
 	free(journal);
 	free(part);
+	free(tiles);
 	return status;
 }

@@ -13,6 +13,10 @@
 /* What stands behind the name of the result in that of the journal. */
 #define BAKE_JOURNAL_NAME ".resume"
 
+/* And in that of the file of its tiles (tile_file.h), where it has some; OUTPUT_FILE_PART comes
+ * after. */
+#define BAKE_JOURNAL_TILES ".tiles"
+
 /* How a bake by parts keeps account. */
 typedef struct bake_journal_use {
 	const char *path; /* of the journal */

@@ -17,6 +17,7 @@
 #include "meshes/mesh_reader.h"
 #include "panoramas/panorama_reader.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -228,6 +229,7 @@ static gw_status make_points(const settings *s, const settings_input *from, scan
 	if (facts->is_mesh && options.albedo != SCAN_ALBEDO_CONSTANT)
 		options.albedo = SCAN_ALBEDO_COLOR;
 	GW_TRY(scan_points_make(cloud, &options, points, error));
+	assert(points->albedo); /* there is always one */
 	for (size_t i = 0; from->has_albedo && i < 3 * cloud->count; i++)
 		points->albedo[i] = from->albedo[i % 3];
 	bool colors = !from->has_albedo;
@@ -823,15 +825,23 @@ gw_status loaded_scene_read_parted(const settings *s, parted_cloud *parted, load
 gw_status loaded_scene_read_part(const settings *s, const loaded_scene *whole, uint64_t number,
 								 loaded_scene *scene, gw_error *error)
 {
+	scan cloud;
+	*scene = (loaded_scene){ .place = whole->place };
+	GW_TRY(parted_cloud_read(whole->parted, number, &cloud, error));
+	return loaded_scene_take_part(s, whole, &cloud, scene, error);
+}
+
+gw_status loaded_scene_take_part(const settings *s, const loaded_scene *whole, scan *cloud,
+								 loaded_scene *scene, gw_error *error)
+{
 	settings of_part = *s; /* nothing of it is freed */
-	part p = { .cloud = { 0 } };
+	part p = { .cloud = *cloud };
 	loaded_input facts = { .path = s->input[0].path };
 	of_part.points.threads = s->bake.threads;
 	of_part.points.told = &whole->parted->told;
 	*scene = (loaded_scene){ .up = whole->up, .place = whole->place };
-	gw_status status = parted_cloud_read(whole->parted, number, &p.cloud, error);
-	if (status == GW_OK)
-		status = finish_part(&of_part, &s->input[0], &p, &facts, error);
+	*cloud = (scan){ 0 };
+	gw_status status = finish_part(&of_part, &s->input[0], &p, &facts, error);
 	scene->cloud = p.cloud;
 	scene->points = p.points;
 	if (status != GW_OK) {

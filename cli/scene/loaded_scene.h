@@ -67,6 +67,9 @@ gw_status loaded_scene_read_parted(const settings *settings, parted_cloud *parte
  * loaded_scene_clear_part, which leaves the other one alone */
 gw_status loaded_scene_read_part(const settings *settings, const loaded_scene *whole,
 								 uint64_t number, loaded_scene *scene, gw_error *error);
+/* The same of points of any parts of it. cloud   taken, and empty afterwards */
+gw_status loaded_scene_take_part(const settings *settings, const loaded_scene *whole, scan *cloud,
+								 loaded_scene *scene, gw_error *error);
 void loaded_scene_clear_part(loaded_scene *scene);
 
 /* Whether an input is sampled: it is asked for as a mesh, or its name is a mesh's, it has faces,

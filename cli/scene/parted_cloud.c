@@ -19,8 +19,6 @@
 #define KEPT_BYTES 1270u
 #define FIXED_BYTES (UINT64_C(264) << 20)
 
-/* With fewer points a bake is refused for want of memory rather than made of next to nothing. */
-#define KEPT_LEAST 10000u
 #define KEPT_MOST ((uint64_t)1 << 30)
 
 /* Whether what is asked for needs no more than one point after the other. */
@@ -52,7 +50,22 @@ static size_t points_for(uint64_t memory, uint64_t count)
 	uint64_t kept = memory > FIXED_BYTES ? (memory - FIXED_BYTES) / KEPT_BYTES : 0;
 	if (memory == UINT64_MAX || count <= kept)
 		return 0;
-	return kept < KEPT_LEAST ? 0 : (size_t)(kept < KEPT_MOST ? kept : KEPT_MOST);
+	return kept < PARTED_CLOUD_LEAST ? 0 : (size_t)(kept < KEPT_MOST ? kept : KEPT_MOST);
+}
+
+/* Where all points are lit by tiles: of what memory holds, a quarter is kept of the whole cloud,
+ * though no more than an eighth of it, and most of the rest is a tile's. */
+static void share_memory(parted_cloud *parted, uint64_t memory)
+{
+	uint64_t count = parted->file.count, all = points_for(memory, count);
+	if (all == 0 && memory != UINT64_MAX && memory < FIXED_BYTES + PARTED_CLOUD_LEAST * KEPT_BYTES)
+		return; /* it holds no tile */
+	all = all > 0 ? all : count;
+	uint64_t kept = all / 4 < count / 8 ? all / 4 : count / 8;
+	if (count <= PARTED_CLOUD_LEAST)
+		return;
+	parted->most = (size_t)(kept > PARTED_CLOUD_LEAST ? kept : PARTED_CLOUD_LEAST);
+	parted->tile = (size_t)(all / 5 * 3);
 }
 
 /* About so many points, such that what is read at once is in one part. */
@@ -77,7 +90,10 @@ gw_status parted_cloud_open(const settings *s, const format *output, const uint6
 	uint64_t part = parted->file.count / PARTS_WANTED;
 	part = part < PART_LEAST ? PART_LEAST : part < PART_MOST ? part : PART_MOST;
 	parted->part = (size_t)whole_groups(parted, part);
-	parted->most = kept ? (size_t)*kept : points_for(memory_for(s), parted->file.count);
+	if (s->tiles > 0)
+		share_memory(parted, memory_for(s));
+	else
+		parted->most = kept ? (size_t)*kept : points_for(memory_for(s), parted->file.count);
 	return GW_OK;
 }
 

@@ -9,9 +9,13 @@
 #include "scene/bake_journal.h"
 #include "table/format_parts.h"
 
+/* With fewer points a bake is refused for want of memory rather than made of next to nothing. */
+#define PARTED_CLOUD_LEAST 10000u
+
 typedef struct parted_cloud {
 	format_parts file;
 	size_t most;           /* points that may be kept; 0: all of them fit, and are read as usual */
+	size_t tile;           /* points of a tile with its halo, where all are lit by tiles */
 	size_t part;           /* points that are read at once */
 	scan_told told;        /* after parted_cloud_thin: what the columns' values tell */
 	journal_file *journal; /* NULL; or that of parted_cloud_keep, closed by who opened it */

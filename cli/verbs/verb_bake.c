@@ -8,7 +8,7 @@
 #include "files/input_file.h"
 #include "result/light_shares.h"
 #include "result/lit_scan.h"
-#include "result/parted_result.h"
+#include "result/tiled_result.h"
 #include "scene/mesh_notes.h"
 #include "scene/region_text.h"
 #include "options/output_name.h"
@@ -42,7 +42,9 @@ typedef struct bake {
 	region_points region;
 	gw_light *light;
 	gw_bake_result *result;
-	parted_result all;   /* points of a parted cloud */
+	parted_result all;  /* points of a parted cloud */
+	tiled_result tiled; /* where tiles are lit */
+	gw_bake_options options;
 	gw_drivers *drivers; /* loaded while the inputs are read */
 	scan lit;
 	progress progress;
@@ -121,6 +123,7 @@ static gw_status check(bake *b)
 	if (s->vdb_voxel > 0.0f && !s->vdb)
 		return gw_fail(b->error, GW_ERROR_USAGE, "--vdb-voxel needs --vdb FILE");
 	GW_TRY(check_resume(s, b->error));
+	GW_TRY(tiled_result_check(s, b->error));
 	GW_TRY(check_units(s, b->error));
 	GW_TRY(region_text_check(s, b->error));
 	GW_TRY(check_streams(s, b->error));
@@ -324,6 +327,13 @@ static gw_status read_inputs(bake *b)
 	progress_show(&b->progress, "read", 0.0);
 	GW_TRY(parted_cloud_open(b->settings, b->settings->frames ? NULL : b->format, kept, &b->parted,
 							 b->error));
+	if (b->settings->tiles > 0 && b->parted.most == 0)
+		return gw_fail(
+			b->error, GW_ERROR_USAGE,
+			"--tiles lights one file whose points can be read in parts, a binary PLY, LAS "
+			"or LAZ with more than %u points, to a binary PLY, in a --memory that holds "
+			"as many; leave it out, or convert %s",
+			PARTED_CLOUD_LEAST, b->settings->input[0].path);
 	GW_TRY(keep_account(b));
 	parted_cloud *parted = b->parted.most > 0 ? &b->parted : NULL;
 	gw_status status = loaded_scene_read_parted(b->settings, parted, &b->scene, b->error);
@@ -436,10 +446,20 @@ static gw_status bake_points(bake *b, const gw_bake_options *options,
 	return status == GW_OK ? scan_take_back(&s->cloud, &s->points, b->error) : status;
 }
 
+static gw_status open_tiles(bake *b)
+{
+	if (b->settings->tiles == 0)
+		return GW_OK;
+	b->tiled.kept = &b->all;
+	b->tiled.light = b->light;
+	b->tiled.options = &b->options;
+	return tiled_result_open(&b->tiled, b->error);
+}
+
 static gw_status light_points(bake *b)
 {
 	double start = now();
-	gw_bake_options options = bake_plan_options(b->settings);
+	gw_bake_options options = b->options = bake_plan_options(b->settings);
 	/* What reading took is gone; a limit of 0 would be none. */
 	if (options.time_limit > 0.0f)
 		options.time_limit = fmaxf(options.time_limit - (float)b->facts.read_seconds, 1e-3f);
@@ -475,6 +495,7 @@ static gw_status light_points(bake *b)
 							  .loaded = b->all.loaded,
 							  .ranks = b->ranks };
 	GW_TRY(parted_result_open(&b->all, b->error));
+	GW_TRY(open_tiles(b));
 	return b->ranks.rank == 0 ? ranks_wait(&b->ranks, b->error) : GW_OK;
 }
 
@@ -561,6 +582,8 @@ static gw_status write_grids(bake *b)
 
 static gw_status write_points(bake *b)
 {
+	if (b->settings->tiles > 0)
+		return tiled_result_write(&b->tiled, b->output, &b->facts.exposure, b->error);
 	if (b->parted.journal)
 		return parted_result_go_on(&b->all, b->output, &b->facts.exposure, b->error);
 	if (b->scene.parted)
@@ -603,7 +626,8 @@ static gw_status write_results(bake *b)
 	gw_status grids = GW_OK;
 	progress_show(&b->progress, "write", 1.0);
 	gw_status status = write_outputs(b, &grids);
-	b->facts.write_seconds = now() - start;
+	b->facts.bake_seconds += b->tiled.seconds;
+	b->facts.write_seconds = now() - start - b->tiled.seconds;
 	if (status == GW_OK)
 		status = write_report(b);
 	progress_end(&b->progress);
@@ -705,10 +729,13 @@ static gw_status say_results(const bake *b)
 static void say_what_is_kept(const bake *b)
 {
 	if (b->settings->resume && b->parted.journal && b->output && !b->settings->quiet)
-		text_message(stderr,
-					 "glowworm: note: what is done is kept in %s and %s; the same command goes on "
-					 "with it\n",
-					 output_file_temporary(b->output), journal_file_name(b->parted.journal));
+		text_message(
+			stderr,
+			"glowworm: note: what is done is kept in %s%s%s and %s; the same command goes on "
+			"with it\n",
+			output_file_temporary(b->output), b->tiled.file.out ? ", " : "",
+			b->tiled.file.out ? output_file_temporary(b->tiled.file.out) : "",
+			journal_file_name(b->parted.journal));
 }
 
 gw_status verb_bake(settings *s, gw_error *error)
@@ -730,6 +757,7 @@ gw_status verb_bake(settings *s, gw_error *error)
 	input_file_close(&b.reused);
 	s->bake.drivers = NULL;
 	gw_drivers_release(&b.drivers);
+	tiled_result_close(&b.tiled);
 	parted_result_close(&b.all);
 	gw_bake_result_destroy(&b.result);
 	region_points_clear(&b.region);

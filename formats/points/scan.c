@@ -81,6 +81,35 @@ void scan_remove_points(scan *cloud, const uint8_t *gone)
 	cloud->count = kept;
 }
 
+static void take_values(const scan_column *from, const uint32_t *point, size_t count,
+						scan_column *to)
+{
+	size_t size = scan_type_size(from->type);
+	const char *values = from->data;
+	char *taken = to->data;
+	for (size_t i = 0; i < count; i++)
+		memcpy(taken + size * i, values + size * point[i], size);
+}
+
+gw_status scan_take_points(const scan *cloud, const uint32_t *point, size_t count, scan *some,
+						   gw_error *error)
+{
+	*some = (scan){ .count = count,
+					.up = cloud->up,
+					.says_up = cloud->says_up,
+					.noise_classes = cloud->noise_classes };
+	for (size_t c = 0; c < cloud->column_count; c++) {
+		const scan_column *from = &cloud->column[c];
+		scan_column *to = scan_add_column(some, from->name, from->type, error);
+		if (!to) {
+			scan_clear(some);
+			return GW_ERROR_MEMORY;
+		}
+		take_values(from, point, count, to);
+	}
+	return GW_OK;
+}
+
 gw_status scan_add_comment(scan *cloud, const char *text, gw_error *error)
 {
 	char **grown = growing_table_room(cloud->comment, cloud->comment_count, sizeof *grown);

@@ -124,6 +124,13 @@ void scan_remove_column(scan *scan, const char *name);
  */
 void scan_remove_points(scan *scan, const uint8_t *gone);
 
+/* Points of a cloud as one of their own, in the order in which they are named, without comments,
+ * scanners and images.
+ *   point   count numbers below cloud->count
+ *   some    the caller's on success, empty on failure: GW_ERROR_MEMORY */
+gw_status scan_take_points(const scan *cloud, const uint32_t *point, size_t count, scan *some,
+						   gw_error *error);
+
 /* Whether all bits of a column's values are 0, of the first `count` points. */
 bool scan_is_zero(const scan_column *column, size_t count);
 

@@ -99,6 +99,8 @@ static gw_status make_surfels(bake *b, gw_error *error)
 	const gw_scene_description from = { b->points, b->light.lights, b->light.light_count };
 	GW_TRY(gw_scene_make_surfels(&b->scene, &from, error));
 	GW_TRY(gw_region_ask(&b->scene, error));
+	if (b->scene.known)
+		GW_TRY(gw_region_set_width(&b->scene, error));
 	return gw_unlit_space_find(&b->scene, &from, error);
 }
 
@@ -303,7 +305,8 @@ static bool needs_lamplight(const bake *b)
 /* What records are added to depends on the same surface. */
 static bool needs_late_lamplight(const bake *b)
 {
-	return b->light.plan.lamps && waits_for_records(b) && !b->scene.density.facet_spacing;
+	return (b->light.plan.lamps || b->scene.known) && waits_for_records(b) &&
+		   !b->scene.density.facet_spacing;
 }
 
 static bool needs_records(const bake *b)
@@ -737,6 +740,8 @@ static gw_status bake_in_units(const gw_scaled_scene *scaled, gw_bake_manner man
 		.options = *options,
 		.report = b.report,
 		.lent = manner.device,
+		.known = manner.known,
+		.known_unit = ldexpf(1.0f, scaled->light),
 		.adds_records = true,
 	};
 	if (callbacks)

@@ -10,9 +10,12 @@ struct gw_gpu;
 
 /* How a bake is to be done; all zero: as one by itself. */
 typedef struct gw_bake_manner {
-	bool planning;          /* what comes after the forecast is left out */
-	bool trial;             /* where the target is missed, nobody wants the light, nor how wrong it
-							   is: it ends when that is known */
+	bool planning; /* what comes after the forecast is left out */
+	bool trial;    /* where the target is missed, nobody wants the light, nor how wrong it
+					  is: it ends when that is known */
+	const struct gw_known_light *known; /* NULL; or of points beyond the region, which are far
+										   sparser than those of it: the octree is as fine as
+										   these, and coarser ones are in the tree of large discs */
 	struct gw_gpu **device; /* NULL, or where a device is left for those who come after, to be
 							   destroyed by the caller; what is there is used */
 } gw_bake_manner;
@@ -33,12 +36,12 @@ gw_status gw_bake_once(const gw_scene_description *scene, const gw_bake_options 
  * which its error is estimated (half_sample.h).
  *   options    checked, and effective (scene.h); surface_points above 0 says that the points given
  *              are some of more
- *   trial      as in gw_bake_manner
+ *   manner     not planning; without a device, one is opened for these bakes
  *   result     on success to be destroyed by the caller, else NULL
  */
 gw_status gw_bake_checked(const gw_scene_description *scene, const gw_bake_options *options,
-						  bool trial, const gw_bake_callbacks *callbacks, gw_bake_result **result,
-						  gw_error *error);
+						  gw_bake_manner manner, const gw_bake_callbacks *callbacks,
+						  gw_bake_result **result, gw_error *error);
 
 /* gw_bake_once by itself on a device, as in the manner: a gw_half_bake. */
 gw_status gw_bake_on_device(const gw_scene_description *scene, const gw_bake_options *options,

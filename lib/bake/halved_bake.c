@@ -8,10 +8,13 @@
 #include "bake/report.h"
 #include "bake/scene.h"
 #include "bake/options_check.h"
+#include "base/memory.h"
 #include "device/gpu.h"
 #include "glowworm_host.h"
 
 #include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
 /* What a bake of all points is of the time where halves of them follow. */
 #define WHOLE_SHARE 0.57
@@ -28,8 +31,9 @@ typedef struct whole {
 	const gw_scene_description *scene;
 	const gw_bake_options *options; /* that it began with */
 	const gw_bake_callbacks *callbacks;
-	gw_gpu *device; /* what it left, for those of halves; owned */
-	double told;    /* of the progress */
+	gw_bake_manner manner; /* with its device, which those of halves use too */
+	float *known[2];       /* owned: of the half, and of half of it: gw_known_light.all */
+	double told;           /* of the progress */
 } whole;
 
 /* The part of halves, after what the first part told of the progress. */
@@ -42,6 +46,21 @@ static gw_progress_part after(const whole *w, const gw_progress_part *half)
 	return p;
 }
 
+/* The known light of a half, of that of what it is a half of. */
+static gw_status take_known(whole *w, uint32_t level, const gw_point_subset *half, gw_error *error)
+{
+	if (!w->manner.known)
+		return GW_OK;
+	const float *from = level == 0 ? w->manner.known->all : w->known[0];
+	float *known = w->known[level] = gw_allocate_array(half->points.count, 3 * sizeof *known);
+	if (!known)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the light of %zu points",
+					   half->points.count);
+	for (size_t i = 0; i < half->points.count; i++)
+		memcpy(known + 3 * i, from + 3 * half->from[i], 3 * sizeof *known);
+	return GW_OK;
+}
+
 /* A bake with the settings that the whole one began with, on the device of that one, and with its
  * passes. level: as the half was made; of half of a half nobody asks about sides. */
 static gw_status bake_half(whole *w, uint32_t level, const gw_point_subset *half,
@@ -49,7 +68,10 @@ static gw_status bake_half(whole *w, uint32_t level, const gw_point_subset *half
 						   gw_error *error)
 {
 	const gw_scene_description scene = { &half->points, w->scene->lights, w->scene->light_count };
-	const gw_bake_manner manner = { .device = &w->device };
+	GW_TRY(take_known(w, level, half, error));
+	const gw_known_light known = { .all = w->known[level] };
+	const gw_bake_manner manner = { .known = w->manner.known ? &known : NULL,
+									.device = w->manner.device };
 	const gw_region region = { .point = half->asked };
 	gw_bake_options plain = gw_half_sample_options(w->scene->points, w->options);
 	plain.estimate_points = level == 0 ? plain.estimate_points : 0;
@@ -132,24 +154,27 @@ static gw_status check_by_halves(whole *w, gw_bake_result *result, gw_error *err
 }
 
 gw_status gw_bake_checked(const gw_scene_description *scene, const gw_bake_options *options,
-						  bool trial, const gw_bake_callbacks *callbacks, gw_bake_result **result,
-						  gw_error *error)
+						  gw_bake_manner manner, const gw_bake_callbacks *callbacks,
+						  gw_bake_result **result, gw_error *error)
 {
 	double start = gw_seconds();
 	gw_progress_part first = parts[0];
 	first.whole = callbacks;
 	first.share = gw_half_sample_is_likely(scene->points, options) ? first.share : 1.0;
 	const gw_bake_callbacks of_first = gw_progress_part_callbacks(&first);
-	whole w = { .scene = scene, .options = options, .callbacks = callbacks, .told = first.share };
-	const gw_bake_manner manner = { .trial = trial, .device = &w.device };
+	gw_gpu *own = NULL;
+	manner.device = manner.device ? manner.device : &own;
+	whole w = { scene, options, callbacks, manner, { NULL, NULL }, first.share };
 	gw_status status = gw_bake_once(scene, options, manner, &of_first, result, error);
 	/* Two smaller bakes take less than twice as long as this one did. */
 	bool in_time =
 		!(options->time_limit > 0.0f) || gw_seconds() - start < 0.5 * (double)options->time_limit;
-	if (status == GW_OK && in_time && !(trial && (*result)->report.missed) &&
+	if (status == GW_OK && in_time && !(manner.trial && (*result)->report.missed) &&
 		gw_half_sample_is_wanted(scene->points, options, &(*result)->report))
 		status = check_by_halves(&w, *result, error);
-	gw_gpu_destroy(&w.device);
+	free(w.known[0]);
+	free(w.known[1]);
+	gw_gpu_destroy(&own);
 	if (status != GW_OK)
 		gw_bake_result_destroy(result);
 	return status;

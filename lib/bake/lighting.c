@@ -13,6 +13,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 void gw_lighting_plan(gw_lighting *lighting)
 {
@@ -91,12 +92,69 @@ static void drop_direct(gw_lighting *lighting)
 	gw_buffer_destroy(gpu, &lighting->facet_direct);
 }
 
+/* Which of the lights that are known this lighting is of. */
+static const float *known_of(const gw_lighting *lighting)
+{
+	const gw_known_light *known = lighting->scene->known;
+	const gw_lighting *whole = lighting->whole;
+	if (!whole)
+		return known->all;
+	if (lighting->light_count == 0)
+		return known->rest;
+	return known->lamp ? known->lamp[lighting->lights - whole->lights] : NULL;
+}
+
+static void enter_known(const gw_scene *scene, const float *known, const uint32_t *back,
+						float *irradiance)
+{
+	const gw_surfels *s = &scene->surfels;
+	for (size_t i = 0; i < s->point_count; i++) {
+		uint32_t surfel = s->surfel_of_point[i];
+		if (surfel == UINT32_MAX || isnan(known[3 * i]) || scene->region.lit[surfel])
+			continue;
+		for (size_t c = 0; c < 3; c++)
+			irradiance[4 * (size_t)surfel + c] = known[3 * i + c] * scene->known_unit;
+		if (back && back[surfel] != UINT32_MAX)
+			memcpy(irradiance + 4 * (size_t)back[surfel], irradiance + 4 * (size_t)surfel,
+				   3 * sizeof *irradiance);
+	}
+}
+
+/* Points whose light is known have it as that of lamps, so that facets reflect it and gather
+ * nothing more; whichever side of them is shown, it is that of both. */
+static gw_status take_known(gw_lighting *lighting, gw_error *error)
+{
+	gw_scene *scene = lighting->scene;
+	const float *known = known_of(lighting);
+	uint64_t bytes = 16 * (uint64_t)scene->surfels.count;
+	uint32_t *back = NULL;
+	if (!known || !scene->region.lit)
+		return GW_OK; /* nothing gathers it */
+	float *irradiance = gw_allocate_array(scene->surfels.count, 4 * sizeof *irradiance);
+	gw_status status = irradiance ? gw_surfel_backs_find(&scene->surfels, &back, error)
+								  : gw_fail(error, GW_ERROR_MEMORY, "no memory for light");
+	if (status == GW_OK)
+		status =
+			gw_buffer_download(scene->gpu, &lighting->surfel_direct, 0, irradiance, bytes, error);
+	if (status == GW_OK) {
+		enter_known(scene, known, back, irradiance);
+		status =
+			gw_buffer_upload(scene->gpu, &lighting->surfel_direct, 0, irradiance, bytes, error);
+	}
+	if (status == GW_OK)
+		status = gw_average_facets(&scene->passes, &scene->octree, &lighting->surfel_direct,
+								   &lighting->facet_direct, error);
+	free(back);
+	free(irradiance);
+	return status;
+}
+
 gw_status gw_lighting_direct(gw_lighting *lighting, gw_error *error)
 {
 	gw_scene *scene = lighting->scene;
 	uint64_t slots = 2 * (uint64_t)scene->octree.leaf_count;
 	GW_TRY(gw_lighting_list_lights(lighting, error));
-	if (!lighting->plan.lamps) {
+	if (!lighting->plan.lamps && !scene->known) {
 		drop_direct(lighting);
 		return GW_OK;
 	}
@@ -114,14 +172,17 @@ gw_status gw_lighting_direct(gw_lighting *lighting, gw_error *error)
 								 .closed = gw_scene_closed_space(scene) };
 	if (lighting->plan.shadows)
 		GW_TRY(gw_scene_find_compartments(scene, error));
-	bool off = lighting->whole == NULL && scene->surfels.shading_normal_off && lighting->plan.error;
+	size_t lights = lighting->plan.lamps ? lighting->light_count : 0;
+	bool off = lights > 0 && lighting->whole == NULL && scene->surfels.shading_normal_off &&
+			   lighting->plan.error;
 	if (off)
 		GW_TRY(gw_lighting_darken(lighting, GW_BUFFER_TEXEL, scene->surfels.count,
 								  "irradiance of normals that are off", &lighting->surfel_turned,
 								  error));
 	const gw_direct_irradiance to = { &lighting->surfel_direct, &lighting->facet_direct,
 									  lighting->given, off ? &lighting->surfel_turned : NULL };
-	return gw_direct_light(&cloud, lighting->lights, lighting->light_count, &to, error);
+	GW_TRY(gw_direct_light(&cloud, lighting->lights, lights, &to, error));
+	return scene->known ? take_known(lighting, error) : GW_OK;
 }
 
 gw_status gw_lighting_view(const gw_lighting *lighting, const gw_buffer *buffer, gw_view *view,

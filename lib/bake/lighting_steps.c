@@ -428,6 +428,7 @@ gw_status gw_lighting_bounce(gw_lighting *lighting, gw_error *error)
 							 .limit = lighting->plan.bounces ? lighting->plan.limit : 1,
 							 .tolerance = gw_options_bounce_tolerance(&s->options),
 							 .no_bound = lighting->whole != NULL,
+							 .lit_elsewhere = s->known != NULL,
 							 .cancelled = gw_scene_stopped,
 							 .user = s };
 	gw_buffer carried = { 0 };

@@ -16,6 +16,11 @@
  * region. GW_ERROR_DATA when no point lies in it. */
 gw_status gw_region_ask(gw_scene *scene, gw_error *error);
 
+/* Where what lies beyond the region is far sparser: octrees are made for the spacing of what is
+ * asked for, which the surfels have for theirs then, and hold coarse discs in a tree of their own.
+ * After gw_region_ask, of a scene with a region. GW_ERROR_MEMORY. */
+gw_status gw_region_set_width(gw_scene *scene, gw_error *error);
+
 /* Whether a point is asked for. */
 static inline bool gw_region_has(const gw_scene *scene, size_t point)
 {

@@ -250,11 +250,30 @@ static gw_status place_all(placing *p, gw_error *error)
 	return status;
 }
 
+/* What light is known beforehand needs no records. */
+static gw_status leave_out_known(const gw_scene *scene, gw_needed_facets *needed, gw_error *error)
+{
+	const gw_surfels *s = &scene->surfels;
+	if (!scene->known)
+		return GW_OK;
+	bool *known = gw_allocate_zeros(s->count, sizeof *known);
+	if (!known)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu surfels", s->count);
+	for (size_t i = 0; i < s->point_count; i++)
+		if (s->surfel_of_point[i] != UINT32_MAX && !isnan(scene->known->all[3 * i]))
+			known[s->surfel_of_point[i]] = true;
+	gw_status status = gw_needed_facets_leave_out(scene->gpu, &scene->octree, known, needed, error);
+	free(known);
+	return status;
+}
+
 gw_status gw_region_place_records(gw_scene *scene, gw_error *error)
 {
 	placing p = { .scene = scene };
 	GW_TRY(gw_needed_facets_make(scene->gpu, &scene->octree, &p.needed, error));
-	gw_status status = place_all(&p, error);
+	gw_status status = leave_out_known(scene, &p.needed, error);
+	if (status == GW_OK)
+		status = place_all(&p, error);
 	if (status == GW_OK) {
 		scene->region.facet_spacing = p.needed.spacing;
 		p.needed.spacing = NULL;

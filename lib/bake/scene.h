@@ -37,6 +37,14 @@ typedef struct gw_region_needs {
 	bool *lit;            /* surfel count: those that lamps have to shine on */
 } gw_region_needs;
 
+/* Irradiance of points that another bake lit, and which this one is to take as it is: 3 a point, in
+ * the order of the points, W/m^2; NAN of points that are to be lit. */
+typedef struct gw_known_light {
+	const float *all;
+	float *const *lamp; /* NULL, or of each light alone, */
+	const float *rest;  /* and of what emits; NULL: nothing does */
+} gw_known_light;
+
 /* Where the work is, for those who wait. All zero: nothing has begun. */
 typedef struct gw_scene_stage {
 	const char *name;    /* of the stage under way */
@@ -85,7 +93,9 @@ struct gw_scene {
 	gw_gpu **lent;
 	gw_surfels surfels;
 	gw_region_needs region;
-	gw_scanned_space space; /* what scanners saw; empty where nobody knows */
+	const gw_known_light *known; /* NULL: of no point; not owned, in units of: */
+	float known_unit;            /* one of these is so much */
+	gw_scanned_space space;      /* what scanners saw; empty where nobody knows */
 	gw_octree octree;
 	gw_passes passes;
 	gw_records records;

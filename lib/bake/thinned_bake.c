@@ -107,10 +107,10 @@ static gw_status bake_surface(thinned *t, const gw_bake_callbacks *callbacks,
 	gw_bake_options options = *t->options;
 	options.surface_points = (uint32_t)t->surface.points.count;
 	options.region = !all && options.region ? &region : options.region;
-	bool trial = t->most < t->limit;
-	GW_TRY(gw_bake_checked(&part, &options, trial, callbacks, result, error));
+	const gw_bake_manner manner = { .trial = t->most < t->limit };
+	GW_TRY(gw_bake_checked(&part, &options, manner, callbacks, result, error));
 	/* What is missed already the others would not mend. */
-	bool useless = trial && (*result)->report.missed;
+	bool useless = manner.trial && (*result)->report.missed;
 	gw_status status = all || useless ? GW_OK : light_others(t, *result, error);
 	if (status != GW_OK)
 		gw_bake_result_destroy(result);

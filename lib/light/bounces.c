@@ -371,9 +371,10 @@ static gw_status run(progress *p, gw_bounces *bounces, gw_error *error)
 	bool automatic = task->limit == GW_BOUNCES_AUTO;
 	uint32_t limit = automatic ? BOUNCE_CEILING : task->limit;
 	for (uint32_t n = 1;; n++) {
-		total += p->energy;
+		total += n > 1 || !task->lit_elsewhere ? p->energy : 0.0;
 		bounces->remaining = total > 0.0 ? p->energy * q / (1.0 - q) / total : 0.0;
-		bool enough = automatic && bounces->remaining <= (double)task->tolerance;
+		bool enough = automatic && bounces->remaining <= (double)task->tolerance &&
+					  (n > 1 || !task->lit_elsewhere);
 		if (n >= limit || enough || p->energy <= 0.0)
 			return GW_OK;
 		if (task->cancelled && task->cancelled(task->user))

@@ -43,7 +43,9 @@ typedef struct gw_bounces_task {
 								 radiance below 0 */
 	uint32_t limit;           /* reflections, GW_BOUNCES_AUTO: until tolerance */
 	float tolerance;
-	bool no_bound; /* what is left out is not to be bounded: no contraction */
+	bool no_bound;      /* what is left out is not to be bounded: no contraction */
+	bool lit_elsewhere; /* most of what is reflected first is far off, and its light is known: what
+						   bounces leave out is held against what they gather alone */
 	bool (*cancelled)(void *user);
 	void *user;
 } gw_bounces_task;

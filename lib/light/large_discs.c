@@ -82,7 +82,9 @@ static void look_at(void *user, size_t first, size_t last, uint32_t worker)
 	gw_vec3 turn;
 	(void)worker;
 	for (size_t i = first; i < last; i++) {
-		uint32_t rays = has_finer_on(s, s->found->surfel[i]) ? 0 : s->rays;
+		uint32_t surfel = s->found->surfel[i];
+		bool lit = !s->cloud->lit || s->cloud->lit[surfel];
+		uint32_t rays = !lit || has_finer_on(s, surfel) ? 0 : s->rays;
 		for (uint32_t k = 0; k < rays; k++)
 			s->met[i * s->rays + k] = meets_own(s, i, place_on(s->disc + i, k, s->rays, &turn));
 	}

@@ -241,28 +241,66 @@ static void take_largest(const fragments *from, const gw_needed_facets *needed, 
 		}
 }
 
+static gw_status open_fragments(gw_gpu *gpu, const gw_octree *octree, fragments *from,
+								gw_error *error)
+{
+	uint64_t words = 4 * (uint64_t)octree->fragment_count;
+	GW_TRY(gw_view_open(gpu, &octree->leaf_fragment, 4 * ((uint64_t)octree->leaf_count + 1),
+						&from->first, error));
+	GW_TRY(gw_view_open(gpu, &octree->fragment_surfel, words, &from->surfel, error));
+	return gw_view_open(gpu, &octree->fragment_weight, words, &from->weight, error);
+}
+
+static void close_fragments(fragments *from)
+{
+	gw_view_close(&from->weight);
+	gw_view_close(&from->surfel);
+	gw_view_close(&from->first);
+}
+
+/* The area of a leaf's facets that is of the surfels, less all that is not. */
+static void balance(const fragments *from, const bool *known, size_t leaf, float sum[2])
+{
+	const uint32_t *first = from->first.bytes, *word = from->surfel.bytes;
+	const float *weight = from->weight.bytes;
+	sum[0] = sum[1] = 0.0f;
+	for (uint32_t f = first[leaf]; f < first[leaf + 1]; f++) {
+		bool own = known[word[f] & GW_FRAGMENT_SURFEL];
+		if (!(word[f] & GW_FRAGMENT_ROI))
+			sum[(word[f] & GW_FRAGMENT_FACET) != 0] += own ? weight[f] : -weight[f];
+	}
+}
+
+gw_status gw_needed_facets_leave_out(gw_gpu *gpu, const gw_octree *octree, const bool *known,
+									 gw_needed_facets *needed, gw_error *error)
+{
+	fragments from = { .first = { 0 } };
+	float sum[2];
+	gw_status status = open_fragments(gpu, octree, &from, error);
+	for (size_t leaf = 0; leaf < needed->leaves && status == GW_OK; leaf++) {
+		balance(&from, known, leaf, sum);
+		for (size_t facet = 0; facet < 2; facet++)
+			if (sum[facet] > 0.0f)
+				needed->centre[4 * (2 * leaf + facet) + 3] = 0.0f;
+	}
+	close_fragments(&from);
+	return status;
+}
+
 gw_status gw_needed_facets_surfels(gw_gpu *gpu, const gw_octree *octree,
 								   const gw_needed_facets *needed, size_t surfels, uint32_t *slot,
 								   gw_error *error)
 {
 	fragments from = { .first = { 0 } };
-	uint64_t words = 4 * (uint64_t)octree->fragment_count;
 	float *largest = gw_allocate_zeros(surfels, sizeof *largest);
 	if (!largest)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu surfels", surfels);
 	for (size_t i = 0; i < surfels; i++)
 		slot[i] = GW_NONE;
-	gw_status status = gw_view_open(gpu, &octree->leaf_fragment, 4 * ((uint64_t)needed->leaves + 1),
-									&from.first, error);
-	if (status == GW_OK)
-		status = gw_view_open(gpu, &octree->fragment_surfel, words, &from.surfel, error);
-	if (status == GW_OK)
-		status = gw_view_open(gpu, &octree->fragment_weight, words, &from.weight, error);
+	gw_status status = open_fragments(gpu, octree, &from, error);
 	if (status == GW_OK)
 		take_largest(&from, needed, largest, slot);
-	gw_view_close(&from.weight);
-	gw_view_close(&from.surfel);
-	gw_view_close(&from.first);
+	close_fragments(&from);
 	free(largest);
 	return status;
 }

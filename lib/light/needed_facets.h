@@ -53,6 +53,14 @@ gw_status gw_needed_facets_hit(const uint32_t *hit, size_t hits, float spacing,
 							   gw_needed_facets *needed, size_t *more, gw_error *error);
 
 /*
+ * Facets that are mostly of some surfels are taken for none: what depends on them needs no records
+ * there.
+ *   known   surfels flags
+ */
+gw_status gw_needed_facets_leave_out(gw_gpu *gpu, const gw_octree *octree, const bool *known,
+									 gw_needed_facets *needed, gw_error *error);
+
+/*
  * What of the surfels lies in facets that are needed.
  *   needed   surfels numbers: receives the facet's slot of which each has the most, GW_NONE where
  *            it has none that is needed

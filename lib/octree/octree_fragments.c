@@ -231,9 +231,11 @@ static gw_status run_fragments(gw_octree_work *work, uint32_t emit, gw_error *er
 	gw_octree *octree = work->octree;
 	gw_buffer *stand_in = &work->surfel_offset;
 	bool keys = emit == GW_EMIT_KEYS, rest = emit == GW_EMIT_REST, wide = gw_octree_is_wide(work);
-	gw_fragments_push push = {
-		.side = 1u << octree->depth, .emit = emit, .wide = wide, .base = (uint32_t)work->from
-	};
+	gw_fragments_push push = { .side = 1u << octree->depth,
+							   .emit = emit,
+							   .wide = wide,
+							   .base = (uint32_t)work->from,
+							   .disc_most = gw_octree_disc_most(work->surfels) };
 	gw_binding bindings[] = {
 		GW_WHOLE(&octree->surfel_position),
 		GW_WHOLE(&octree->surfel_normal),

@@ -9,6 +9,11 @@
 
 #include <stdlib.h>
 
+float gw_octree_disc_most(const gw_surfels *surfels)
+{
+	return surfels->disc_most > 0.0f ? surfels->disc_most : (float)GW_DISC_MAX;
+}
+
 /* As convert of octree_fragments.c and its shader see it. */
 bool gw_octree_disc_is_large(const gw_octree *octree, const gw_surfels *surfels, size_t surfel)
 {
@@ -20,7 +25,7 @@ bool gw_octree_disc_is_large(const gw_octree *octree, const gw_surfels *surfels,
 			return false;
 	}
 	return surfels->two_sided[surfel] != GW_SIDE_BACK &&
-		   (float)((double)surfels->radius[surfel] / leaf) > GW_DISC_MAX;
+		   (float)((double)surfels->radius[surfel] / leaf) > gw_octree_disc_most(surfels);
 }
 
 static void enter_facets(size_t leaves, const uint32_t *first, const uint32_t *surfel,

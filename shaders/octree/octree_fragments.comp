@@ -272,7 +272,7 @@ void main()
 		add_roi(disc.cell, disc.place, position.w);
 		if (disc.radius <= GW_DISC_SMALL)
 			add_small_disc(disc);
-		else if (disc.radius <= GW_DISC_MAX)
+		else if (disc.radius <= push.disc_most)
 			add_large_disc(disc, known);
 		if (inside_count == 0u)
 			add_fragment(disc.cell, 0u, disc.area, disc.place);

@@ -11,8 +11,8 @@
 /* Fragments of one leaf that are reduced by one invocation. */
 #define GW_REDUCE_RUN 2048u
 
-/* Disc radius in leaf cells: the largest that leaves hold, larger ones are in a tree of their own;
- * and the largest that is sampled by fixed points. */
+/* Disc radius in leaf cells: the largest that leaves hold where the scene says nothing else, larger
+ * ones are in a tree of their own; and the largest that is sampled by fixed points. */
 #define GW_DISC_MAX 8.0
 #define GW_DISC_SMALL 1.0
 
@@ -43,12 +43,13 @@
 SHARED_STRUCT(gw_fragments_push)
 {
 	uint first, count;
-	uint side; /* leaf cells */
-	uint emit; /* one of those below */
-	uint wide; /* keys have a high word */
-	uint base; /* the surfel that element 0 is */
+	uint side;       /* leaf cells */
+	uint emit;       /* one of those below */
+	uint wide;       /* keys have a high word */
+	uint base;       /* the surfel that element 0 is */
+	float disc_most; /* radius, leaf cells: of a larger disc one leaf holds all the area */
 };
-SHARED_SIZE(gw_fragments_push, 24);
+SHARED_SIZE(gw_fragments_push, 28);
 
 /* Distinct keys, and lists of keys. */
 SHARED_STRUCT(gw_keys_push)

@@ -1,0 +1,345 @@
+/*
+ * tiling.c - see tiling.h.
+ */
+#include "bake/tiling.h"
+
+#include "base/memory.h"
+#include "cloud/bulk_bounds.h"
+#include "cloud/frame.h"
+#include "glowworm_picture.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Cubes along an axis; what lies beyond is in the outermost. */
+#define CUBES 2097152
+#define NO_CUBE UINT32_MAX
+
+/* Cubes along an edge of a cube's surroundings. */
+#define AROUND (2 * GW_TILE_HALO + 1)
+
+/* Tiles that turn out too large become so many times as many. */
+#define MORE_TILES 1.2
+
+typedef struct cube {
+	uint64_t key; /* Morton key */
+	uint64_t points;
+	uint32_t tile;     /* whose core it is in */
+	uint32_t halo;     /* first of those whose halo it is in, in gw_tiling.halo */
+	uint32_t in_halos; /* how many */
+} cube;
+
+struct gw_tiling {
+	double width, low[3];
+	uint64_t home; /* key of the cube that points are in whose place is not finite */
+	cube *cube;    /* count */
+	uint32_t count, room;
+	uint32_t *slot; /* mask + 1: NO_CUBE, or which cube is there */
+	uint64_t mask;
+	uint64_t points;
+	uint32_t tiles; /* 0: not formed yet */
+	uint32_t *halo; /* tiles, cube after cube */
+	uint32_t halo_count, halo_room;
+};
+
+/* -------------------------------------------------------------------------------------- cubes */
+
+static uint64_t mixed(uint64_t key)
+{
+	key ^= key >> 31;
+	key *= UINT64_C(0x9e3779b97f4a7c15);
+	return key ^ key >> 29;
+}
+
+static uint64_t slot_of(const gw_tiling *t, uint64_t key)
+{
+	uint64_t slot = mixed(key) & t->mask;
+	while (t->slot[slot] != NO_CUBE && t->cube[t->slot[slot]].key != key)
+		slot = (slot + 1) & t->mask;
+	return slot;
+}
+
+static uint32_t find_cube(const gw_tiling *t, uint64_t key)
+{
+	return t->slot[slot_of(t, key)];
+}
+
+/* A table of slots for the cubes that there are, with room for as many. */
+static bool make_slots(gw_tiling *t, uint64_t slots)
+{
+	uint32_t *slot = gw_allocate_array(slots, sizeof *slot);
+	if (!slot)
+		return false;
+	memset(slot, 0xff, slots * sizeof *slot);
+	free(t->slot);
+	t->slot = slot;
+	t->mask = slots - 1;
+	for (uint32_t c = 0; c < t->count; c++)
+		slot[slot_of(t, t->cube[c].key)] = c;
+	return true;
+}
+
+static bool add_cube(gw_tiling *t, uint64_t key, uint32_t *added)
+{
+	if (t->count == t->room) {
+		uint32_t room = t->room < 512 ? 1024 : 2 * t->room;
+		cube *grown = gw_resize_array(t->cube, room, sizeof *grown);
+		if (!grown)
+			return false;
+		t->cube = grown;
+		t->room = room;
+		if (!make_slots(t, 4 * (uint64_t)room))
+			return false;
+	}
+	t->cube[t->count] = (cube){ .key = key };
+	t->slot[slot_of(t, key)] = t->count;
+	*added = t->count++;
+	return true;
+}
+
+static uint32_t along(double place)
+{
+	return (uint32_t)fmin(fmax(floor(place) + CUBES / 2, 0.0), (double)(CUBES - 1));
+}
+
+static bool is_finite(const double place[3])
+{
+	return isfinite(place[0]) && isfinite(place[1]) && isfinite(place[2]);
+}
+
+/* The key of the cube around a place. */
+static uint64_t key_of(const gw_tiling *t, const double place[3])
+{
+	uint32_t at[3];
+	if (!is_finite(place))
+		return t->home;
+	for (int k = 0; k < 3; k++)
+		at[k] = along((place[k] - t->low[k]) / t->width);
+	return gw_morton_encode(at[0], at[1], at[2]);
+}
+
+/* That of a point which has a place: so no tile is made of others alone. */
+static void find_home(gw_tiling *t, const gw_points *kept)
+{
+	for (size_t i = 0; i < kept->count; i++)
+		if (is_finite(kept->position + 3 * i)) {
+			t->home = key_of(t, kept->position + 3 * i);
+			return;
+		}
+}
+
+gw_status gw_tiling_begin(const gw_points *kept, double width, gw_tiling **tiling, gw_error *error)
+{
+	double high[3];
+	gw_tiling *t = *tiling = gw_allocate_zeros(1, sizeof *t);
+	if (!t)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for tiles");
+	t->width = width;
+	gw_finite_bounds(kept, t->low, high);
+	gw_bulk_bounds(kept, t->low, high);
+	find_home(t, kept);
+	if (make_slots(t, 4096))
+		return GW_OK;
+	gw_tiling_end(tiling);
+	return gw_fail(error, GW_ERROR_MEMORY, "no memory for tiles");
+}
+
+gw_status gw_tiling_count(gw_tiling *t, const gw_points *part, gw_error *error)
+{
+	for (size_t i = 0; i < part->count; i++) {
+		uint64_t key = key_of(t, part->position + 3 * i);
+		uint32_t c = find_cube(t, key);
+		if (c == NO_CUBE && !add_cube(t, key, &c))
+			return gw_fail(error, GW_ERROR_MEMORY, "no memory for %u cubes of tiles", t->count);
+		t->cube[c].points++;
+	}
+	t->points += part->count;
+	return GW_OK;
+}
+
+void gw_tiling_end(gw_tiling **tiling)
+{
+	gw_tiling *t = *tiling;
+	if (t) {
+		free(t->cube);
+		free(t->slot);
+		free(t->halo);
+	}
+	free(t);
+	*tiling = NULL;
+}
+
+/* -------------------------------------------------------------------------------------- tiles */
+
+static int compare_keys(const void *a, const void *b)
+{
+	uint64_t x = ((const cube *)a)->key, y = ((const cube *)b)->key;
+	return (x > y) - (x < y);
+}
+
+/* Cuts the cubes into so many runs, or fewer, where one cube holds more than a tile's share. */
+static void cut(gw_tiling *t, uint32_t wanted)
+{
+	uint64_t before = 0;
+	uint32_t tile = 0, used = 0;
+	double share = (double)t->points / wanted;
+	for (uint32_t c = 0; c < t->count; c++) {
+		uint32_t due = (uint32_t)fmin((double)before / share, (double)(wanted - 1));
+		if (c > 0 && due > tile) {
+			tile = due;
+			used++;
+		}
+		t->cube[c].tile = used;
+		before += t->cube[c].points;
+	}
+	t->tiles = used + 1;
+}
+
+static bool add_to_halo(gw_tiling *t, cube *of, uint32_t tile)
+{
+	for (uint32_t i = 0; i < of->in_halos; i++)
+		if (t->halo[of->halo + i] == tile)
+			return true;
+	if (t->halo_count == t->halo_room) {
+		uint32_t room = t->halo_room < 512 ? 1024 : 2 * t->halo_room;
+		uint32_t *grown = gw_resize_array(t->halo, room, sizeof *grown);
+		if (!grown)
+			return false;
+		t->halo = grown;
+		t->halo_room = room;
+	}
+	t->halo[t->halo_count++] = tile;
+	of->in_halos++;
+	return true;
+}
+
+/* In whose halos a cube is: the tiles of those around it, but its own. */
+static bool find_halos(gw_tiling *t, cube *of)
+{
+	uint32_t at[3];
+	gw_morton_decode(of->key, at);
+	of->halo = t->halo_count;
+	of->in_halos = 0;
+	for (int k = 0; k < AROUND * AROUND * AROUND; k++) {
+		int64_t x = (int64_t)at[0] + k % AROUND - GW_TILE_HALO;
+		int64_t y = (int64_t)at[1] + k / AROUND % AROUND - GW_TILE_HALO;
+		int64_t z = (int64_t)at[2] + k / (AROUND * AROUND) - GW_TILE_HALO;
+		if (x < 0 || y < 0 || z < 0 || x >= CUBES || y >= CUBES || z >= CUBES)
+			continue;
+		uint32_t beside = find_cube(t, gw_morton_encode((uint32_t)x, (uint32_t)y, (uint32_t)z));
+		if (beside != NO_CUBE && t->cube[beside].tile != of->tile &&
+			!add_to_halo(t, of, t->cube[beside].tile))
+			return false;
+	}
+	return true;
+}
+
+/* The most points that a tile has with its halo; 0 where there was no memory. */
+static uint64_t largest(const gw_tiling *t)
+{
+	uint64_t most = 0, *points = gw_allocate_zeros(t->tiles, sizeof *points);
+	for (uint32_t c = 0; points && c < t->count; c++) {
+		const cube *of = &t->cube[c];
+		points[of->tile] += of->points;
+		for (uint32_t i = 0; i < of->in_halos; i++)
+			points[t->halo[of->halo + i]] += of->points;
+	}
+	for (uint32_t tile = 0; points && tile < t->tiles; tile++)
+		most = points[tile] > most ? points[tile] : most;
+	free(points);
+	return most;
+}
+
+static gw_status form(gw_tiling *t, uint32_t wanted, uint64_t *most, gw_error *error)
+{
+	bool good = true;
+	cut(t, wanted);
+	t->halo_count = 0;
+	for (uint32_t c = 0; c < t->count && good; c++)
+		good = find_halos(t, &t->cube[c]);
+	*most = good ? largest(t) : 0;
+	return *most > 0 ? GW_OK : gw_fail(error, GW_ERROR_MEMORY, "no memory for %u tiles", wanted);
+}
+
+gw_status gw_tiling_form(gw_tiling *t, uint64_t most, uint32_t least, gw_error *error)
+{
+	if (t->count == 0)
+		return gw_fail(error, GW_ERROR_DATA, "there are no points to make tiles of");
+	qsort(t->cube, t->count, sizeof *t->cube, compare_keys);
+	for (uint64_t slot = 0; slot <= t->mask; slot++)
+		t->slot[slot] = NO_CUBE;
+	for (uint32_t c = 0; c < t->count; c++)
+		t->slot[slot_of(t, t->cube[c].key)] = c;
+	double wanted = fmax(ceil((double)t->points / (double)(most > 0 ? most : 1)), least);
+	for (;;) {
+		uint64_t largest_tile;
+		wanted = fmin(fmax(wanted, 1.0), (double)t->count);
+		GW_TRY(form(t, (uint32_t)wanted, &largest_tile, error));
+		if (largest_tile <= most || (uint32_t)wanted == t->count)
+			return GW_OK;
+		wanted = ceil(MORE_TILES * wanted);
+	}
+}
+
+uint32_t gw_tiling_tiles(const gw_tiling *t)
+{
+	return t->tiles;
+}
+
+/* ------------------------------------------------------------------------------------ members */
+
+/* Lists a point with its tile and those whose halo it is in, or only counts it. */
+static void enter(const gw_tiling *t, const double place[3], uint32_t point, gw_tile_members *m,
+				  uint64_t *next)
+{
+	uint32_t found = find_cube(t, key_of(t, place));
+	if (found == NO_CUBE) /* of another cloud */
+		return;
+	const cube *of = &t->cube[found];
+	for (uint32_t i = 0; i <= of->in_halos; i++) {
+		uint32_t tile = i == 0 ? of->tile : t->halo[of->halo + i - 1];
+		uint64_t at = next[tile]++;
+		if (!m->point)
+			continue;
+		m->point[at] = point;
+		m->core[at] = i == 0;
+	}
+}
+
+gw_status gw_tiling_members(const gw_tiling *t, const gw_points *part, gw_tile_members *m,
+							gw_error *error)
+{
+	*m = (gw_tile_members){ .first = gw_allocate_zeros(t->tiles + 1, sizeof *m->first) };
+	uint64_t *next = gw_allocate_zeros(t->tiles, sizeof *next), all = 0;
+	uint32_t *point = NULL;
+	for (size_t i = 0; next && i < part->count; i++)
+		enter(t, part->position + 3 * i, (uint32_t)i, m, next);
+	for (uint32_t tile = 0; m->first && next && tile < t->tiles; tile++) {
+		m->first[tile] = all;
+		all += next[tile];
+		next[tile] = m->first[tile];
+	}
+	if (m->first && next) {
+		m->first[t->tiles] = all;
+		m->core = gw_allocate_array(all, sizeof *m->core);
+		point = gw_allocate_array(all, sizeof *point);
+	}
+	m->point = m->core ? point : NULL;
+	for (size_t i = 0; m->point && i < part->count; i++)
+		enter(t, part->position + 3 * i, (uint32_t)i, m, next);
+	free(next);
+	if (m->point)
+		return GW_OK;
+	free(point);
+	gw_tile_members_clear(m);
+	return gw_fail(error, GW_ERROR_MEMORY, "no memory for the tiles of %zu points", part->count);
+}
+
+void gw_tile_members_clear(gw_tile_members *m)
+{
+	free(m->first);
+	free(m->point);
+	free(m->core);
+	*m = (gw_tile_members){ .first = NULL };
+}
