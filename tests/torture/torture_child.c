@@ -3,11 +3,14 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <math.h>
+#include <poll.h>
 #include <signal.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/pidfd.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <time.h>
@@ -103,17 +106,23 @@ static void become_program(const torture_case *c, const torture_child *child)
 	_exit(71);
 }
 
+/* Sleeps until the process ends, of which `ended` is a descriptor, or some seconds have passed.
+ * Where the system has no such descriptors it sleeps for a moment. */
+static void sleep_until_end(int ended, double seconds)
+{
+	if (ended < 0 || seconds <= 0)
+		seconds = 5e-4;
+	struct timespec nap = { (time_t)seconds, (long)(1e9 * (seconds - floor(seconds))) };
+	ppoll(&(struct pollfd){ ended, POLLIN, 0 }, 1, &nap, NULL);
+}
+
 /* Waits until it ends, sends the signal that was asked for, and ends what hangs. */
 static int wait_for(torture_child *child, pid_t process, struct rusage *usage)
 {
 	double begin = now();
 	bool signalled = child->kill_after <= 0;
-	for (long naps = 0;; naps++) {
-		int status;
-		if (wait4(process, &status, WNOHANG, usage) == process) {
-			child->seconds = now() - begin;
-			return status;
-		}
+	int status, ended = pidfd_open(process, 0);
+	while (wait4(process, &status, WNOHANG, usage) != process) {
 		double passed = now() - begin;
 		if (!signalled && passed >= child->kill_after) {
 			kill(process, child->kill_signal);
@@ -124,9 +133,13 @@ static int wait_for(torture_child *child, pid_t process, struct rusage *usage)
 			kill(-process, SIGKILL);
 			kill(process, SIGKILL);
 		}
-		struct timespec nap = { 0, naps < 2000 ? 500000 : 5000000 };
-		nanosleep(&nap, NULL);
+		double next = child->hung ? passed + 1 : child->limit;
+		sleep_until_end(ended, (signalled ? next : fmin(next, child->kill_after)) - passed);
 	}
+	child->seconds = now() - begin;
+	if (ended >= 0)
+		close(ended);
+	return status;
 }
 
 void child_run(torture_case *c, torture_child *child)
