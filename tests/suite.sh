@@ -42,20 +42,26 @@ export LSAN_OPTIONS="suppressions=$root/tests/leaks_of_others.txt:print_suppress
 export UBSAN_OPTIONS="print_stacktrace=1"
 # Who allocated a block is told by 8 frames: to walk all of the stack each time takes long.
 asan="detect_leaks=1:allocator_may_return_null=1:malloc_context_size=8"
-# What is freed is kept from being used again until 64 MB more are freed, not 256, which is more
-# than most of these programs allocate in all; and freed pages are not given back to the system on
-# the way: each page that is touched anew costs more than what the test does with it.
-asan+=":quarantine_size_mb=64:thread_local_quarantine_size_kb=64"
+# What is freed is kept from being used again until 16 MB more are freed, not 256, which is more
+# than these programs allocate in all, so that all that they touch would be pages never touched
+# before; and freed pages are not given back to the system on the way: each page that is touched
+# anew costs more than what the test does with it.
+asan+=":quarantine_size_mb=16:thread_local_quarantine_size_kb=64"
 asan+=":allocator_release_to_os_interval_ms=-1"
 
 # glibc fills memory that is allocated with 0x5a and what is freed with 0xa5, so that a value that
 # was never set is wrong in every run. Sanitizers have an allocator of their own.
 export MALLOC_PERTURB_=${MALLOC_PERTURB_-165}
 
-# Half of the scripts are skipped where no Vulkan device is: asked once, not by each of them.
+# Half of the scripts are skipped where no Vulkan device is: asked once, not by each of them. Where
+# Mesa's software device is the only one, Vulkan's loader is told to open its driver alone, not each
+# one that is installed and then finds no hardware.
 for item in "$@"; do
-	if [ -z "${LOOK_FOR_DEVICE:-}" ] && "${item%:*}/glowworm" info --devices >/dev/null 2>&1; then
+	if [ -z "${LOOK_FOR_DEVICE:-}" ] && devices=$("${item%:*}/glowworm" info --devices 2>/dev/null); then
 		export LOOK_FOR_DEVICE=true
+		if ! grep -qv llvmpipe <<<"$devices"; then
+			export VK_LOADER_DRIVERS_SELECT='*lvp*' VK_LOADER_LAYERS_DISABLE='~implicit~'
+		fi
 	fi
 done
 

@@ -21,8 +21,8 @@ grep -o -e '"good": true' -e '"devices_that_bake": 1' \
 	-e '"group": "device cpu", "name": "canary bake"' one.json
 grep -c 'may take 1.07 GB' one.json
 
-# Nothing to run on, and a home that is not there.
-unset MESA_SHADER_CACHE_DIR
+# Nothing to run on, and a home that is not there. Which drivers may be opened is not limited here.
+unset MESA_SHADER_CACHE_DIR VK_LOADER_DRIVERS_SELECT
 HOME=/nowhere XDG_CACHE_HOME='' VK_ICD_FILENAMES=/nowhere.json glowworm doctor >all.txt
 echo "no driver: $?"
 grep -E 'BAD|shader cache' all.txt
