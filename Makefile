@@ -232,8 +232,9 @@ $(BUILD)/libhelpers.a: $(call objects,$(TEST_HELPERS))
 	@rm -f $@
 	$(AR) rcs $@ $^
 
-# A hundred programs that nobody installs are linked in two thirds of the time by gold, where it is.
-QUICK_LINKER    := $(if $(shell command -v ld.gold),-fuse-ld=gold)
+# A hundred programs that nobody installs are linked in two thirds of the time by gold, where it is,
+# and in a third where no debugger will look at them: with NO_SYMBOLS=1, as `make test` does.
+QUICK_LINKER    := $(if $(shell command -v ld.gold),-fuse-ld=gold) $(if $(NO_SYMBOLS),-Wl$(comma)-S)
 
 $(BUILD)/tests/%.o: INCLUDE += -Itests/unit -Itests/physics -Itests/hostile -Itests/bench -Itests/fuzz
 $(TEST_PROGRAMS) $(BENCH_PROGRAMS) $(TOOL_PROGRAMS): $(BUILD)/%: $(BUILD)/%.o $(BUILD)/libhelpers.a \
@@ -304,14 +305,14 @@ check: deps  ## what a change breaks most often, in under two minutes: style, qu
 
 # A script of tests/cli runs once, under sanitizers or without: with WITH_PLAIN=1 all run without as well.
 test: deps  ## build and run all tests, and those that tests/not_sanitized leaves under sanitizers
-	@$(build_quietly) config=release test-programs analysis
+	@$(build_quietly) config=release NO_SYMBOLS=1 test-programs analysis
 	@$(build_quietly) config=sanitize chosen-programs
 	@tests/suite.sh build:unit build:physics build:shaders build:hostile \
 		build:$(if $(WITH_PLAIN),cli,other-cli) build:torture build:lint \
 		$(addprefix build/sanitize:chosen-,unit hostile cli) $(if $(WITH_INTEROP),build:interop)
 
 test-interop: deps  ## what CloudCompare, MeshLab, Blender and others make of our files
-	@$(build_quietly) all
+	@$(build_quietly) all $(addprefix $(BUILD)/tests/bench/,bench_peers make_truth)
 	@tests/suite.sh build:interop
 
 torture: deps  ## hard clouds, faults, kills, fuzzing, for hours: make torture MINUTES=60 SEED=2

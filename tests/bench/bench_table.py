@@ -13,8 +13,8 @@ machine does meets all of them; figures are medians over the rounds, and ratios 
     cycles    Blender's Cycles on polygons in the discs' place, where it is installed (bench_peers)
     PCV       CloudCompare's plug-in, of the sky that points see, where it is installed
 
-Environment: BUILD (build), SCENES (cornell rooms), POINTS (100000 1000000), WAYS (all but PCV, which
-is there if it is installed), ROUNDS (3), SECONDS_A_WAY by the clock after which one goes no further
+Environment: BUILD (build), SCENES (cornell rooms), POINTS (100000 1000000), WAYS (all of these; cycles
+and PCV if they are installed), ROUNDS (3), SECONDS_A_WAY by the clock after which one goes no further
 (60), PATHS_A_POINT of the truth (1024), WORK, where scenes are made and kept for the next time
 (BUILD/bench).
 """
@@ -37,7 +37,7 @@ ROUNDS = int(os.environ.get("ROUNDS", "3"))
 SECONDS = os.environ.get("SECONDS_A_WAY", "60")
 PATHS = os.environ.get("PATHS_A_POINT", "1024")
 
-WAYS = os.environ.get("WAYS", "paths cached presets targets surfaces cycles").split()
+WAYS = os.environ.get("WAYS", "paths cached presets targets surfaces cycles PCV").split()
 GOALS = [0.05, 0.03]
 # Stages of the report, by what they are for.
 PARTS = {
@@ -181,7 +181,7 @@ def medians(rounds):
 
 
 def has_pcv():
-    return shutil.which("CloudCompare") is not None and shutil.which("xvfb-run") is not None
+    return "PCV" in WAYS and shutil.which("CloudCompare") is not None and shutil.which("xvfb-run") is not None
 
 
 def share_of_sky(prefix, program):
@@ -246,6 +246,8 @@ def print_tables(result):
                   *[number(b["microseconds_a_point"][p]) for p in parts])
     if "cycles" in WAYS and not has_blender():
         print("\nBlender is not installed: Cycles is left out.")
+    if "PCV" not in WAYS:
+        return
     if not has_pcv():
         print("\nCloudCompare or xvfb-run is not installed: its share of sky is left out.")
         return
@@ -265,7 +267,7 @@ def print_tables(result):
 
 def measure(prefix):
     """All ways in turn, so many rounds."""
-    climbed = {way: [] for way in WAYS if way != "cycles" or has_blender()}
+    climbed = {way: [] for way in WAYS if way != "PCV" and (way != "cycles" or has_blender())}
     bakes, skies = [], {"PCV": [], "ours": []}
     for _ in range(ROUNDS):
         for way in climbed:

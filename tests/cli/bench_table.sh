@@ -1,10 +1,12 @@
 # The table of the benchmarks: every way is measured, what one way reached is its least time, and
-# the ratios are of the medians; a second round adds to the first.
+# the ratios are of the medians; a second round adds to the first. Other programs are left to
+# interop/peers_table.sh.
 # sanitize: no
 ${LOOK_FOR_DEVICE:-glowworm info --devices} >/dev/null 2>&1 ||
 	{ echo "there is no Vulkan device"; exit 77; }
 BUILD=$(dirname "$GLOWWORM") WORK=$PWD SCENES=cornell POINTS=1000 ROUNDS=2 SECONDS_A_WAY=1 \
-	PATHS_A_POINT=16 "$SOURCE/tests/bench/bench_table.py" bench.json >table.txt || exit
+	PATHS_A_POINT=16 WAYS='paths cached presets targets surfaces' \
+	"$SOURCE/tests/bench/bench_table.py" bench.json >table.txt || exit
 /usr/bin/python3 - <<'END'
 import json
 import statistics
