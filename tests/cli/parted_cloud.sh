@@ -5,7 +5,7 @@
 ${LOOK_FOR_DEVICE:-glowworm info --devices} >/dev/null 2>&1 ||
 	{ echo "there is no Vulkan device"; exit 77; }
 make_cave --points 200000 -o cave.ply
-bake() { glowworm bake "$@" -f --rays 16 --light 'sky radiance 1' --strays keep; }
+bake() { glowworm bake "$@" -f --rays 8 --light 'sky radiance 1' --strays keep; }
 bake cave.ply --memory 340M --explain --report parted.json -o parted.ply >said.txt 2>&1
 grep 'others make' said.txt | sed -E 's/[0-9.e-]+ m apart/D m apart/; s/[0-9]{4,}/N/g'
 sed -nE 's/^came .* ([0-9]+) MB of the host.*/\1/p' said.txt |

@@ -4,7 +4,7 @@
 ${LOOK_FOR_DEVICE:-glowworm info --devices} >/dev/null 2>&1 ||
 	{ echo "there is no Vulkan device"; exit 77; }
 make_box --scene cornell --points 6000 -o box.ply
-bake() { glowworm bake box.ply -q -f "$@"; }
+bake() { glowworm bake box.ply -q -f --rays 16 "$@"; }
 bake -o part.ply --region 'box 0.3,1,1 0,0,0' --report part.json
 # What lies there, of a box of 1 m: in the order of the input, and nothing else.
 points() { glowworm convert "$1" - --output-format csv | awk -F, 'NR > 1 { print $1, $2, $3 }'; }
@@ -16,7 +16,7 @@ echo
 grep -m 1 '"points":' part.json | grep -q " $(wc -l <expected.txt)," && echo "counted as written"
 # By a key of a scene file, the same bytes.
 printf '{"version": 1, "inputs": [{"file": "box.ply"}],
-"bake": {"region": "box 0.3,1,1 0,0,0"}}\n' >part.scene.json
+"bake": {"region": "box 0.3,1,1 0,0,0", "rays": 16}}\n' >part.scene.json
 glowworm bake part.scene.json -q -o key.ply
 [ "$(body part.ply)" = "$(body key.ply)" ] && echo "by a key: the same"
 # From the middle, an eighth of a metre up and down is seen of the wall 0.5 m away, and what reaches

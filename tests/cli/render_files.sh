@@ -65,7 +65,7 @@ small='--size 200x120'
 	printf '# nothing\n' >bad.txt
 	run 65 render box.ply -o x.png --path bad.txt
 	run 66 render box.ply -o x.png --path missing.txt
-	run 65 render box.ply -o x.png --camera 'at 90,90,90 to 99,99,99'
+	run 65 render box.ply -o x.png $small --camera 'at 90,90,90 to 99,99,99'
 	run 65 render box.ply -o x.png --view radiance
 	run 65 render box.ply -o x.png --view direct
 	run 66 render missing.ply -o x.png

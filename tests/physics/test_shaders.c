@@ -187,7 +187,6 @@ static void frames_of_a_cellar(void **state)
 								 .map_width = 16,
 								 .map_height = 8 } };
 	light[0].radius = 0.05f;
-	options.rays = gw_bake_options_default().rays;
 	options.basis = GW_BASIS_DIRECTIONAL;
 	gw_bake_result *expected = bake_frames(&s, &ball, light, &options);
 	options.passes = GW_PASSES_DEVICE;
