@@ -57,7 +57,8 @@ export MALLOC_PERTURB_=${MALLOC_PERTURB_-165}
 # Mesa's software device is the only one, Vulkan's loader is told to open its driver alone, not each
 # one that is installed and then finds no hardware.
 for item in "$@"; do
-	if [ -z "${LOOK_FOR_DEVICE:-}" ] && devices=$("${item%:*}/glowworm" info --devices 2>/dev/null); then
+	if [ -z "${LOOK_FOR_DEVICE:-}" ] &&
+		devices=$("${item%:*}/glowworm" info --devices 2>/dev/null); then
 		export LOOK_FOR_DEVICE=true
 		if ! grep -qv llvmpipe <<<"$devices"; then
 			export VK_LOADER_DRIVERS_SELECT='*lvp*' VK_LOADER_LAYERS_DISABLE='~implicit~'

@@ -2,7 +2,8 @@
 . "$SOURCE/tests/interop/other_programs"
 need blender CloudCompare xvfb-run
 BUILD=$(dirname "$GLOWWORM") WORK=$PWD SCENES=cornell POINTS=1000 ROUNDS=1 SECONDS_A_WAY=1 \
-	PATHS_A_POINT=16 WAYS='cycles PCV' "$SOURCE/tests/bench/bench_table.py" bench.json >table.txt || exit
+	PATHS_A_POINT=16 WAYS='cycles PCV' \
+	"$SOURCE/tests/bench/bench_table.py" bench.json >table.txt || exit
 /usr/bin/python3 - <<'END'
 import json
 
