@@ -303,12 +303,13 @@ check: deps  ## what a change breaks most often, in under two minutes: style, qu
 	@$(build_quietly) config=release all $(filter $(BUILD)/tests/unit/%,$(TEST_PROGRAMS))
 	@tests/suite.sh build:style build:quick-unit build:quick-cli
 
-# A script of tests/cli runs once, under sanitizers or without: with WITH_PLAIN=1 all run without as well.
+# What is in tests/cli and tests/hostile runs once, under sanitizers or without: with WITH_PLAIN=1 all
+# runs without as well.
 test: deps  ## build and run all tests, and those that tests/not_sanitized leaves under sanitizers
 	@$(build_quietly) config=release NO_SYMBOLS=1 test-programs analysis
 	@$(build_quietly) config=sanitize chosen-programs
-	@tests/suite.sh build:unit build:physics build:shaders build:hostile \
-		build:$(if $(WITH_PLAIN),cli,other-cli) build:torture build:lint \
+	@tests/suite.sh build:unit build:physics build:shaders build:torture build:lint \
+		$(addprefix build:$(if $(WITH_PLAIN),,other-),hostile cli) \
 		$(addprefix build/sanitize:chosen-,unit hostile cli) $(if $(WITH_INTEROP),build:interop)
 
 test-interop: deps  ## what CloudCompare, MeshLab, Blender and others make of our files

@@ -14,7 +14,9 @@
 #
 #   chosen-unit chosen-hostile chosen-cli
 #                          those that tests/not_sanitized does not list
-#   other-cli              the scripts that chosen-cli leaves out, so that both run each script once
+#   other-hostile other-cli
+#                          those that chosen-hostile and chosen-cli leave out, which may be none, so
+#                          that both together run each once
 #
 # All programs and scripts of all groups are one queue, the longest first (tests/slow_tests), of
 # which one more runs beside each other than there are processors: most keep one busy, but wait for
@@ -104,7 +106,9 @@ list_tests() { # build group
 		;;
 	quick-*) list_tests "$1" "${2#*-}" | grep -vxFf tests/slow_tests ;;
 	chosen-*) list_tests "$1" "${2#*-}" | grep -vxFf tests/not_sanitized ;;
-	other-cli) ls tests/cli/*.sh | grep -vxFf <(list_tests build/sanitize chosen-cli) ;;
+	other-*)
+		list_tests "$1" "${2#*-}" | grep -vxFf <(list_tests build/sanitize "chosen-${2#*-}")
+		;;
 	*) return 1 ;;
 	esac
 }
@@ -251,7 +255,7 @@ count_group() { # number name jobs
 }
 
 for item in "$@"; do
-	if [ -z "$(list_tests "${item%:*}" "${item##*:}")" ]; then
+	if [[ $item != *:other-* ]] && [ -z "$(list_tests "${item%:*}" "${item##*:}")" ]; then
 		echo "tests/suite.sh: there is no group ${item##*:}" >&2
 		exit 2
 	fi
