@@ -248,8 +248,9 @@ count_group() { # number name jobs
 	local good bad skips seconds results
 	results=$(cat "$scratch"/*.result 2>/dev/null | grep "^$1 ")
 	# What left no result was killed.
-	read -r good bad skips seconds < <(awk -v jobs="$3" '{ g += $2; b += $3; k += $4; s += $5 }
-		END { print g + 0, b + jobs - NR, k + 0, s + 0.5 }' <<<"$results")
+	read -r good bad skips seconds < <(awk -v jobs="$3" '
+		NF { g += $2; b += $3; k += $4; s += $5; jobs-- }
+		END { print g + 0, b + jobs, k + 0, s + 0.5 }' <<<"$results")
 	printf '%-30s %5d passed %4d failed %5d s\n' "$2" "$good" "$bad" "${seconds%.*}"
 	passed=$((passed + good)) failed=$((failed + bad)) skipped=$((skipped + skips))
 }
