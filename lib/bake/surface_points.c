@@ -22,6 +22,12 @@
 #define FIXED_BYTES (UINT64_C(160) << 20)
 #define SURFACE_BYTES 1120u
 
+/* What a program with its drivers holds before a bake, and of each point it was given. Where a
+ * limit is set this is what counts, and not what it holds just then, which by two threads or
+ * another driver is never quite the same: the same points are to make the surface. */
+#define PROGRAM_BYTES (UINT64_C(66) << 20)
+#define GIVEN_BYTES 150u
+
 /* With fewer points a bake is refused for want of memory rather than made of next to nothing. */
 #define POINTS_LEAST 10000u
 
@@ -42,12 +48,14 @@ size_t gw_surface_points_most(const gw_points *points, const gw_bake_options *op
 {
 	if (options->surface_points > 0)
 		return options->surface_points;
-	/* What drivers take would count or not, as they happen to be loaded. */
-	gw_drivers_wait(options->drivers);
-	uint64_t available = gw_available_memory() / 4 * 3, taken = gw_resident_memory();
-	uint64_t left = available;
-	if (options->memory > 0)
-		left = options->memory > taken ? options->memory - taken : 0;
+	uint64_t left = options->memory, taken = PROGRAM_BYTES + GIVEN_BYTES * points->count;
+	if (left > 0) {
+		left = left > taken ? left - taken : 0;
+	} else {
+		/* What drivers take would count or not, as they happen to be loaded. */
+		gw_drivers_wait(options->drivers);
+		left = gw_available_memory() / 4 * 3;
+	}
 	if (left == 0 || options->transport || (options->region && options->region->camera))
 		return points->count;
 	uint64_t most = left > FIXED_BYTES ? (left - FIXED_BYTES) / SURFACE_BYTES : 0;
