@@ -643,9 +643,9 @@ const option options[] = {
 	{ "tiles", 0, "N", OPTION_COUNT, FOR(BAKE), .scene = true, AT(tiles), RANGE(1.0, 1e6),
 	  .automatic = "none", .automatic_value = 0.0, .group = "Machine",
 	  .help = "of a cloud that memory does not hold, light all points by surfaces of all of them, "
-			  "place by place, where otherwise the surface is of as many as memory holds: as right "
-			  "as a bake of all at once, and about as long. So many tiles at least; more where "
-			  "--memory asks for them. Of binary PLY, LAS and LAZ baked to PLY" },
+			  "place by place, where otherwise as many as memory holds make the surface: nearer to "
+			  "the light of all at once, in several times its time. So many tiles at least; more "
+			  "where --memory asks for them. Of binary PLY, LAS and LAZ baked to PLY" },
 	{ "device", 0, "NAME", OPTION_TEXT,
 	  FOR(BAKE | PLAN | TRADEOFF | RENDER | DOCTOR | ALBEDO | PROBES), .scene = true,
 	  AT(bake.device), .group = "Machine",

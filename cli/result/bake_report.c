@@ -865,17 +865,17 @@ gw_status bake_report_goal(const bake_facts *f, gw_error *error)
 		[GW_GOAL_OUT_OF_REACH] = "what finer settings cannot lessen is more than that alone",
 	};
 	const gw_report *r = &f->result->report;
-	char text[80], why[512];
+	char text[80], why[512], rounds[40] = "";
 	error_text(r, text);
 	missed_text(f, why, sizeof why);
+	if (r->round_count > 0) /* of tiles each has its own */
+		snprintf(rounds, sizeof rounds, " after %" PRIu32 " rounds", r->round_count);
 	if (r->missed)
-		return gw_fail(error, STATUS_MISSED,
-					   "the estimated error is %s after %" PRIu32 " rounds, not %.3g %%: %s%s",
-					   text, r->round_count, 100.0 * (double)f->settings->bake.max_error,
-					   end[r->goal], why);
+		return gw_fail(error, STATUS_MISSED, "the estimated error is %s%s, not %.3g %%: %s%s", text,
+					   rounds, 100.0 * (double)f->settings->bake.max_error, end[r->goal], why);
 	if (r->goal != GW_GOAL_NONE && !f->settings->quiet)
-		fprintf(stderr, "glowworm: note: the estimated error is %s after %" PRIu32 " rounds: %s\n",
-				text, r->round_count, end[r->goal]);
+		fprintf(stderr, "glowworm: note: the estimated error is %s%s: %s\n", text, rounds,
+				end[r->goal]);
 	return GW_OK;
 }
 

@@ -179,7 +179,7 @@ gw_status tiled_result_open(tiled_result *r, gw_error *error)
 
 void tiled_result_close(tiled_result *r)
 {
-	tile_file_close(&r->file);
+	tile_file_close(&r->file, r->kept && r->kept->ranks.rank > 0);
 }
 
 /* ---------------------------------------------------------------------------------- lighting them

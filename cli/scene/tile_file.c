@@ -42,14 +42,17 @@ static void forget_table(tile_file *f)
 	f->sum = (checksum){ 0 };
 }
 
-void tile_file_close(tile_file *f)
+void tile_file_close(tile_file *f, bool leave)
 {
 	if (!f->out)
 		return;
 	forget_table(f);
 	if (f->in >= 0)
 		close(f->in);
-	output_file_abandon(&f->out);
+	if (leave)
+		output_file_leave(&f->out);
+	else
+		output_file_abandon(&f->out);
 	*f = (tile_file){ .in = -1 };
 }
 

@@ -52,7 +52,7 @@ typedef struct tile_rows {
  */
 gw_status tile_file_open(const char *result, bool force, bool keep, tile_file *file,
 						 gw_error *error);
-void tile_file_close(tile_file *file);
+void tile_file_close(tile_file *file, bool leave); /* leave: others work with it */
 
 /* It is needed no more: closing it removes it. */
 void tile_file_done(tile_file *file);

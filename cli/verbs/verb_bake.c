@@ -460,6 +460,11 @@ static gw_status light_points(bake *b)
 {
 	double start = now();
 	gw_bake_options options = b->options = bake_plan_options(b->settings);
+	/* What is far off need not be better than that, and a target is one for the tiles. */
+	if (b->settings->tiles > 0 && options.max_error > 0.0f) {
+		gw_bake_options_set_quality(&options, GW_QUALITY_NORMAL);
+		options.max_error = 0.0f;
+	}
 	/* What reading took is gone; a limit of 0 would be none. */
 	if (options.time_limit > 0.0f)
 		options.time_limit = fmaxf(options.time_limit - (float)b->facts.read_seconds, 1e-3f);

@@ -21,6 +21,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* No more can be asked for. */
+#define ERROR_MOST 0.9
+
 struct gw_tile_device {
 	gw_gpu *gpu; /* NULL until the first tile is lit */
 };
@@ -285,6 +288,31 @@ void gw_tile_device_close(gw_tile_device **device)
 	*device = NULL;
 }
 
+/* Mean luminance of the points that were kept, or of those of them that a tile has. */
+static double mean_of_kept(const gw_tile *tile, bool own)
+{
+	size_t count = own ? tile->replaced_count : tile->kept->count, used = 0;
+	double sum = 0.0;
+	for (size_t i = 0; i < count; i++) {
+		size_t point = own ? tile->replaced[i] : i;
+		const float *e = tile->kept->emission ? tile->kept->emission + 3 * point : NULL;
+		if (point >= tile->kept->count || (e && (e[0] > 0.0f || e[1] > 0.0f || e[2] > 0.0f)))
+			continue;
+		sum += gw_luminance(tile->light->radiance + 3 * point);
+		used++;
+	}
+	return used > 0 ? sum / (double)used : 0.0;
+}
+
+/* An error that is asked for is of the mean of the whole cloud: in a tile that is darker than that
+ * it is more of the tile's own. */
+static float error_for(const gw_tile *tile, float wanted)
+{
+	double all = mean_of_kept(tile, false), own = mean_of_kept(tile, true);
+	double relative = own > 0.0 ? (double)wanted * all / own : 0.0;
+	return (float)(relative > 0.0 ? fmin(relative, ERROR_MOST) : (double)wanted);
+}
+
 /* What a bake of one tile is to be, of what was asked for of the whole cloud. */
 static gw_bake_options options_of(const gw_tile *tile, const gw_bake_options *options,
 								  const gw_region *region)
@@ -292,10 +320,12 @@ static gw_bake_options options_of(const gw_tile *tile, const gw_bake_options *op
 	gw_bake_options own = gw_options_effective(options);
 	own.region = region;
 	own.surface_points = tile->checked ? (uint32_t)tile->kept->count : 0;
+	if (own.max_error > 0.0f)
+		own.max_error = error_for(tile, own.max_error);
 	/* Holes that scanners left are found in the whole cloud, and what they let through only where
-	 * they are open. */
-	if (own.gaps == GW_GAPS_OPEN)
-		own.effects_forbidden |= 1u << GW_EFFECT_GAPS;
+	 * they are open and nobody asks for it. */
+	if (own.gaps == GW_GAPS_OPEN && !own.unknown)
+		own.effects_forbidden |= (1u << GW_EFFECT_GAPS) & ~own.effects_forced;
 	return own;
 }
 
