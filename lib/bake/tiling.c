@@ -80,16 +80,21 @@ static bool make_slots(gw_tiling *t, uint64_t slots)
 	return true;
 }
 
+/* Twice the room for an array, which stays the caller's where there is no memory: NULL. */
+static void *more_room(void *array, uint32_t *room, size_t size)
+{
+	uint32_t wanted = *room < 512 ? 1024 : 2 * *room;
+	void *grown = gw_resize_array(array, wanted, size);
+	*room = grown ? wanted : *room;
+	return grown;
+}
+
 static bool add_cube(gw_tiling *t, uint64_t key, uint32_t *added)
 {
 	if (t->count == t->room) {
-		uint32_t room = t->room < 512 ? 1024 : 2 * t->room;
-		cube *grown = gw_resize_array(t->cube, room, sizeof *grown);
-		if (!grown)
-			return false;
-		t->cube = grown;
-		t->room = room;
-		if (!make_slots(t, 4 * (uint64_t)room))
+		cube *grown = more_room(t->cube, &t->room, sizeof *grown);
+		t->cube = grown ? grown : t->cube;
+		if (!grown || !make_slots(t, 4 * (uint64_t)t->room))
 			return false;
 	}
 	t->cube[t->count] = (cube){ .key = key };
@@ -202,12 +207,10 @@ static bool add_to_halo(gw_tiling *t, cube *of, uint32_t tile)
 		if (t->halo[of->halo + i] == tile)
 			return true;
 	if (t->halo_count == t->halo_room) {
-		uint32_t room = t->halo_room < 512 ? 1024 : 2 * t->halo_room;
-		uint32_t *grown = gw_resize_array(t->halo, room, sizeof *grown);
+		uint32_t *grown = more_room(t->halo, &t->halo_room, sizeof *grown);
 		if (!grown)
 			return false;
 		t->halo = grown;
-		t->halo_room = room;
 	}
 	t->halo[t->halo_count++] = tile;
 	of->in_halos++;
