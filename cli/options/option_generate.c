@@ -122,11 +122,28 @@ static void write_manual_lights(FILE *out)
 	write_manual_presets(out);
 }
 
+/* Which options most people need. */
+static void write_manual_common(verb v, FILE *out)
+{
+	const char *before = "Most people need\n";
+	for (const option *o = options; o->name; o++) {
+		if (!(o->common & 1u << v))
+			continue;
+		fprintf(out, "%s.B ", before);
+		write_roff(out, "--");
+		write_roff(out, o->name);
+		before = "\n";
+	}
+	if (*before == '\n')
+		fputs("\nalone.\n", out);
+}
+
 static void write_manual_verb(verb v, FILE *out)
 {
 	settings defaults = settings_default();
 	const char *group = "";
 	fputs(".SH OPTIONS\n", out);
+	write_manual_common(v, out);
 	for (const option *o = options; o->name; o++) {
 		if (!(o->verbs & 1u << v))
 			continue;
@@ -182,7 +199,13 @@ static void write_bash(FILE *out)
 		  out);
 	for (int v = 0; verb_name(v); v++)
 		fprintf(out, "%s ", verb_name(v));
-	fputs("--help --version' -- \"$word\"))\n\t\treturn\n\tfi\n\tcase $before in\n", out);
+	fputs("help --help --version' -- \"$word\"))\n\t\treturn\n\tfi\n\tcase $before in\n", out);
+	fputs("\thelp) COMPREPLY=($(compgen -W '", out);
+	for (int v = 0; verb_name(v); v++)
+		fprintf(out, "%s ", verb_name(v));
+	fputs("' -- \"$word\")); return ;;\n"
+		  "\t--help) COMPREPLY=($(compgen -W all -- \"$word\")); return ;;\n",
+		  out);
 	for (const option *o = options; o->name; o++) {
 		if (!o->choice && o->type != OPTION_ALBEDO)
 			continue;

@@ -11,11 +11,20 @@
 
 void option_text_usage(FILE *out)
 {
-	fprintf(out, "Lights point clouds: adds to every point the light that it sends out.\n\n");
-	for (int v = 0; verb_name(v); v++)
-		fprintf(out, "%s glowworm %s\n", v ? "      " : "Usage:", verb_synopsis((verb)v));
-	fprintf(out, "       glowworm VERB --help | help VERB | --version\n\n");
-	fprintf(out, "Example: glowworm bake cave.ply --light 'point at 1,2,1.5 intensity 40' "
+	fprintf(out, "Lights point clouds: adds to every point the light that it sends out.\n\n"
+				 "Usage: glowworm VERB INPUT... [option]...\n");
+	for (int g = 0; verb_group_name(g); g++) {
+		fprintf(out, "\n%s\n", verb_group_name(g));
+		for (int v = 0; verb_name(v); v++)
+			if (verb_group((verb)v) == g)
+				fprintf(out, "  %-10s %s\n", verb_name(v), verb_summary((verb)v));
+	}
+	fprintf(out, "\nHelp\n"
+				 "  glowworm VERB --help       what most people need of it, with examples\n"
+				 "  glowworm VERB --help all   every option\n"
+				 "  man glowworm-VERB          all that there is to say\n"
+				 "  glowworm --version\n\n"
+				 "Example: glowworm bake cave.ply --light 'point at 1,2,1.5 intensity 40' "
 				 "-o lit.ply\n");
 }
 
@@ -37,10 +46,23 @@ static void write_words(FILE *out, const char *text, size_t *column)
 	}
 }
 
-static void write_option(FILE *out, const option *o, const settings *defaults)
+/* What an option is for, without what else there is to know: up to where a sentence ends. */
+static void first_words(const char *help, char *text, size_t size)
+{
+	size_t length = strlen(help);
+	const char *const ends[] = { ". ", "; " };
+	for (size_t i = 0; i < sizeof ends / sizeof *ends; i++) {
+		const char *end = strstr(help, ends[i]);
+		if (end && (size_t)(end - help) < length)
+			length = (size_t)(end - help);
+	}
+	snprintf(text, size, "%.*s", (int)length, help);
+}
+
+static void write_option(FILE *out, const option *o, const settings *defaults, bool all)
 {
 	char argument[OPTION_VALUE], text[OPTION_VALUE], note[2 * OPTION_VALUE] = "";
-	char left[2 * OPTION_VALUE];
+	char left[2 * OPTION_VALUE], words[4 * OPTION_VALUE];
 	option_argument(o, argument);
 	snprintf(left, sizeof left, "  %c%c%c --%s%s%s", o->letter ? '-' : ' ',
 			 o->letter ? o->letter : ' ', o->letter ? ',' : ' ', o->name, *argument ? " " : "",
@@ -53,7 +75,8 @@ static void write_option(FILE *out, const option *o, const settings *defaults)
 		fprintf(out, "%*s", (int)(INDENT - column), "");
 	}
 	column = INDENT;
-	write_words(out, o->help, &column);
+	first_words(o->help, words, sizeof words);
+	write_words(out, all ? o->help : words, &column);
 	option_legal(o, text);
 	if (*text && (o->type == OPTION_COUNT || o->type == OPTION_REAL || o->type == OPTION_FIELDS ||
 				  o->type == OPTION_VIEW)) {
@@ -85,23 +108,85 @@ static void write_lights(FILE *out)
 		fprintf(out, "  %-16s %s%s\n", p->name, p->about, p->estimated ? " (an estimate)" : "");
 }
 
-void option_text_help(verb v, FILE *out)
+/* How to write lights, for those who have never done it. */
+static void write_light_examples(FILE *out)
+{
+	fputs(
+		"\nLights: --light, once for each; type, then keys and values; metres, W, W/m^2, degrees\n"
+		"  --light 'point at 1,2,1.5 intensity 40'                 a bulb, 40 W/sr\n"
+		"  --light 'spot at 1,2,0.5 to 4,2,0 intensity 200 inner 20 outer 30'\n"
+		"  --light 'sun from 135,40 irradiance 3'                  azimuth, elevation\n"
+		"  --light 'sun place 47.05,8.3 time 2026-06-21T16:30+02:00 illuminance 80000'\n"
+		"  --light 'sky radiance 0.3,0.4,0.6'                      R,G,B, or one number\n"
+		"  --light 'carbide at floor:2'                            a lamp by its name:\n",
+		out);
+	size_t column = 4;
+	fputs("   ", out);
+	for (const light_preset *p = light_presets; p->name; p++) {
+		size_t length = strlen(p->name) + 1;
+		if (column + length > COLUMNS) {
+			fputs("\n   ", out);
+			column = 4;
+		}
+		fprintf(out, " %s", p->name);
+		column += length;
+	}
+	fputs("\n  `glowworm info --places FILE` names places; --help all lists every key.\n", out);
+}
+
+static void write_examples(FILE *out, verb v)
+{
+	fputs("\nExamples\n", out);
+	for (const char *line = verb_examples(v); *line;) {
+		size_t length = strcspn(line, "\n");
+		fprintf(out, "  %.*s\n", (int)length, line);
+		line += length + (line[length] == '\n');
+	}
+}
+
+/* Verbs with no more options than this show all of them. */
+#define FEW_OPTIONS 12
+
+static size_t count_options(verb v)
+{
+	size_t count = 0;
+	for (const option *o = options; o->name; o++)
+		count += (o->verbs & 1u << v) != 0;
+	return count;
+}
+
+/* Options under the headings of their groups; of the short list in one piece. */
+static void write_options(FILE *out, verb v, bool all)
 {
 	settings defaults = settings_default();
 	const char *group = "";
+	bool few = count_options(v) <= FEW_OPTIONS;
+	if (!all)
+		fprintf(out, "\n%s\n", few ? "Options" : "Options that most people need");
+	for (const option *o = options; o->name; o++) {
+		if (!(o->verbs & 1u << v) || !(all || few || o->common & 1u << v))
+			continue;
+		if (all && strcmp(group, o->group) != 0)
+			fprintf(out, "\n%s\n", o->group);
+		group = o->group;
+		write_option(out, o, &defaults, all);
+	}
+}
+
+void option_text_help(verb v, bool all, FILE *out)
+{
 	fprintf(out, "glowworm %s - %s\n\nUsage: glowworm %s\n", verb_name(v), verb_summary(v),
 			verb_synopsis(v));
 	if (v == VERB_BAKE)
 		fprintf(out, "An input is a point cloud, or a scene file that ends in .json; - is standard "
 					 "input.\n");
-	for (const option *o = options; o->name; o++) {
-		if (!(o->verbs & 1u << v))
-			continue;
-		if (strcmp(group, o->group) != 0)
-			fprintf(out, "\n%s\n", o->group);
-		group = o->group;
-		write_option(out, o, &defaults);
-	}
-	if (v == VERB_BAKE)
+	if (v == VERB_BAKE && !all)
+		write_light_examples(out);
+	write_examples(out, v);
+	write_options(out, v, all);
+	if (v == VERB_BAKE && all)
 		write_lights(out);
+	if (!all && count_options(v) > FEW_OPTIONS)
+		fprintf(out, "\nAll %zu options: glowworm %s --help all. All about it: man glowworm-%s\n",
+				count_options(v), verb_name(v), verb_name(v));
 }

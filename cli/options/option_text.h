@@ -8,11 +8,11 @@
 
 #include <stdio.h>
 
-/* A few lines: what the program can do. */
+/* A line for each verb. */
 void option_text_usage(FILE *out);
 
-/* All options of a verb, in 80 columns. */
-void option_text_help(verb verb, FILE *out);
+/* What a verb is for, examples, and its options in 80 columns: all of them, or the common ones. */
+void option_text_help(verb verb, bool all, FILE *out);
 
 /*
  * Writes what is generated: "man-glowworm", "man-glowworm-VERB" (the part of the page that repeats

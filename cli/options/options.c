@@ -192,9 +192,24 @@ static const char *picture_effect_name(int i)
 	return i == 0 ? settings_effect_name(SETTINGS_EFFECT_GLOSS) : NULL;
 }
 
-static const char *format_name(int i)
+/* Of the formats that can be read, or else written, the i-th. */
+static const char *format_name(int i, bool read)
 {
-	return formats[i] ? formats[i]->name : NULL;
+	size_t f = 0;
+	for (; formats[f]; f++)
+		if ((read ? formats[f]->read != NULL : formats[f]->write != NULL) && i-- == 0)
+			break;
+	return formats[f] ? formats[f]->name : NULL;
+}
+
+static const char *format_read_name(int i)
+{
+	return format_name(i, true);
+}
+
+static const char *format_write_name(int i)
+{
+	return format_name(i, false);
 }
 
 /* -------------------------------------------------------------------------------- the table */
@@ -221,6 +236,7 @@ enum {
 
 #define AT(member) .offset = offsetof(settings, member)
 #define FOR(mask) .verbs = (mask)
+#define OFTEN(mask) .common = (mask)
 #define QUIETLY .effect = OPTION_LEAVES_POINTS
 #define RANGE(low, high) .minimum = (low), .maximum = (high)
 #define LIMIT RANGE(0.0, 1e6), .automatic = "none", .automatic_value = (NAN)
@@ -232,21 +248,25 @@ static_assert(sizeof(gw_method) == sizeof(int) && sizeof(gw_shadows) == sizeof(i
 
 const option options[] = {
 	{ "output", 'o', "FILE", OPTION_TEXT, QUIETLY,
-	  FOR(BAKE | PLAN | SAMPLE | MIX | CONVERT | ALBEDO), AT(output), .group = "Output",
+	  FOR(BAKE | PLAN | SAMPLE | MIX | CONVERT | ALBEDO),
+	  OFTEN(BAKE | SAMPLE | MIX | CONVERT | ALBEDO), AT(output), .group = "Output",
 	  .help = "write the points there; - is standard output. The name's extension chooses the "
 			  "format" },
 	{ "output-format", 0, NULL, OPTION_TEXT, QUIETLY, FOR(BAKE | SAMPLE | MIX | CONVERT | ALBEDO),
-	  AT(output_format), .choice = format_name, .group = "Output",
+	  OFTEN(CONVERT), AT(output_format), .choice = format_write_name, .group = "Output",
 	  .help = "write the points as this format, whatever the name's extension says" },
 	{ "force", 'f', NULL, OPTION_FLAG, QUIETLY,
 	  FOR(BAKE | SAMPLE | COMPARE | TRADEOFF | MIX | CONVERT | RENDER | ALBEDO | LAMP | PROBES),
-	  AT(force), .group = "Output", .help = "overwrite files that exist" },
-	{ "resume", 0, NULL, OPTION_FLAG, QUIETLY, FOR(BAKE), AT(resume), .group = "Output",
+	  OFTEN(BAKE | SAMPLE | MIX | CONVERT | RENDER | ALBEDO | PROBES | COMPARE), AT(force),
+	  .group = "Output", .help = "overwrite files that exist" },
+	{ "resume", 0, NULL, OPTION_FLAG, QUIETLY, FOR(BAKE), OFTEN(BAKE), AT(resume),
+	  .group = "Output",
 	  .help =
 		  "of a cloud that is baked by parts (--memory): keep what is done beside the output, in "
 		  "FILE.part and FILE.resume, when the bake is stopped or killed, and go on with it when "
 		  "the same command is given again" },
-	{ "vdb", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(BAKE | PLAN), AT(vdb), .group = "Output",
+	{ "vdb", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(BAKE | PLAN), OFTEN(BAKE), AT(vdb),
+	  .group = "Output",
 	  .help = "write the voxels as OpenVDB grids: density, radiance, color, emission, normal" },
 	{ "vdb-half", 0, NULL, OPTION_FLAG, QUIETLY, FOR(BAKE | PLAN), AT(vdb_half), .group = "Output",
 	  .help = "store 16-bit floats in the grids" },
@@ -259,11 +279,11 @@ const option options[] = {
 	{ "vdb-sh", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(BAKE | PLAN), AT(vdb_sh), .group = "Output",
 	  .help = "write the radiance that arrives in free space as OpenVDB grids of spherical "
 			  "harmonics, sh_0 to sh_3 or sh_8; --volume-cells and --volume-sh say how fine" },
-	{ "report", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(BAKE), AT(report), .group = "Output",
-	  .help = "write what was done, left out and measured, as JSON" },
+	{ "report", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(BAKE), OFTEN(BAKE), AT(report),
+	  .group = "Output", .help = "write what was done, left out and measured, as JSON" },
 	{ "save-transport", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(BAKE | PROBES), AT(save_transport),
 	  .group = "Output", .help = "write what does not depend on the light, for --transport" },
-	{ "fields", 0, "LIST", OPTION_FIELDS, FOR(BAKE | PLAN), .scene = true, AT(fields),
+	{ "fields", 0, "LIST", OPTION_FIELDS, FOR(BAKE | PLAN), OFTEN(BAKE), .scene = true, AT(fields),
 	  .choice = field_name, .group = "Output",
 	  .help = "more columns for the points, with commas between them" },
 	{ "ao-distance", 0, "X", OPTION_REAL, FOR(BAKE | PLAN), .scene = true,
@@ -273,29 +293,32 @@ const option options[] = {
 	{ "colors", 0, NULL, OPTION_CHOICE, FOR(BAKE | MIX), .scene = true, AT(colors),
 	  .choice = colors_name, .group = "Output",
 	  .help = "what red, green and blue hold: a tone-mapped preview, or what came in" },
-	{ "exposure", 0, "EV", OPTION_REAL, FOR(BAKE | MIX), .scene = true, AT(exposure),
-	  RANGE(-100.0, 100.0), AUTOMATIC(NAN), .group = "Output",
+	{ "exposure", 0, "EV", OPTION_REAL, FOR(BAKE | MIX), OFTEN(BAKE | MIX), .scene = true,
+	  AT(exposure), RANGE(-100.0, 100.0), AUTOMATIC(NAN), .group = "Output",
 	  .help = "of the preview, as a camera's exposure value at ISO 100: a larger one is darker" },
 
-	{ "output", 'o', "FILE", OPTION_TEXT, QUIETLY, FOR(PROBES), AT(output), .group = "Output",
+	{ "output", 'o', "FILE", OPTION_TEXT, QUIETLY, FOR(PROBES), OFTEN(PROBES), AT(output),
+	  .group = "Output",
 	  .help = "write the maps of all probes there, as one OpenEXR picture; - is standard output" },
-	{ "json", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(PROBES), AT(json_file), .group = "Output",
+	{ "json", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(PROBES), OFTEN(PROBES), AT(json_file),
+	  .group = "Output",
 	  .help = "write places, free balls and spherical harmonics of the probes as JSON; - is "
 			  "standard output" },
 	{ "vdb", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(PROBES), AT(vdb), .group = "Output",
 	  .help = "write which probes serve each cell of a grid as OpenVDB grids: probe_0 to probe_3" },
-	{ "picture", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(PROBES), AT(picture), .group = "Output",
+	{ "picture", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(PROBES), OFTEN(PROBES), AT(picture),
+	  .group = "Output",
 	  .help = "write a picture of the lit scene with a ball at each probe, white and diffuse in "
 			  "the light that the probe's harmonics hold, as PNG" },
 	{ "camera", 'c', "CAMERA", OPTION_TEXT, QUIETLY, FOR(PROBES), AT(render.camera),
 	  .group = "Output",
 	  .help = "of --picture: 'at X,Y,Z to X,Y,Z fov DEGREES', or auto, inside or outside, which "
 			  "choose a place" },
-	{ "size", 0, "N", OPTION_COUNT, FOR(PROBES), AT(probes.size),
+	{ "size", 0, "N", OPTION_COUNT, FOR(PROBES), OFTEN(PROBES), AT(probes.size),
 	  RANGE(GW_PROBE_SIZE_LEAST, GW_PROBE_SIZE_MOST), .group = "Probes",
 	  .help = "texels a side of each probe's maps, a power of two" },
-	{ "count", 0, "N", OPTION_COUNT, FOR(PROBES), AT(probes.count), RANGE(1.0, 1e6), AUTOMATIC(0.0),
-	  .group = "Probes",
+	{ "count", 0, "N", OPTION_COUNT, FOR(PROBES), OFTEN(PROBES), AT(probes.count), RANGE(1.0, 1e6),
+	  AUTOMATIC(0.0), .group = "Probes",
 	  .help = "probes at most; auto is as many as see all that any place for one sees" },
 	{ "moves", 0, "N", OPTION_COUNT, FOR(PROBES), AT(probes.moves), RANGE(0.0, 1e6),
 	  .group = "Probes",
@@ -310,53 +333,57 @@ const option options[] = {
 	  .group = "Probes",
 	  .help = "metres by which probes may stand outside the bounds of the points" },
 
-	{ "worst", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(COMPARE), AT(worst), .group = "Output",
+	{ "worst", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(COMPARE), OFTEN(COMPARE), AT(worst),
+	  .group = "Output",
 	  .help = "write the points with the largest errors there, the worst first, with the columns "
 			  "scalar_error and scalar_truth_radiance_*" },
 	{ "worst-count", 0, "N", OPTION_COUNT, QUIETLY, FOR(COMPARE), AT(worst_count), RANGE(1.0, 4e9),
 	  .group = "Output", .help = "how many those are" },
-	{ "json", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(COMPARE), AT(json_file), .group = "Output",
-	  .help = "write the figures as JSON; - prints them instead of the table" },
+	{ "json", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(COMPARE), OFTEN(COMPARE), AT(json_file),
+	  .group = "Output", .help = "write the figures as JSON; - prints them instead of the table" },
 
-	{ "csv", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(TRADEOFF), AT(csv), .group = "Output",
+	{ "csv", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(TRADEOFF), OFTEN(TRADEOFF), AT(csv),
+	  .group = "Output",
 	  .help = "write the table as comma-separated values; - prints them instead of the table" },
-	{ "svg", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(TRADEOFF), AT(svg), .group = "Output",
-	  .help = "draw error against seconds and against memory" },
+	{ "svg", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(TRADEOFF), OFTEN(TRADEOFF), AT(svg),
+	  .group = "Output", .help = "draw error against seconds and against memory" },
 
-	{ "max-relrmse", 0, "X", OPTION_REAL, QUIETLY, FOR(COMPARE), AT(max_rel_rmse), LIMIT,
-	  .group = "Limits", .help = "largest relRMSE of the radiance's luminance, 0.05 being 5 %" },
+	{ "max-relrmse", 0, "X", OPTION_REAL, QUIETLY, FOR(COMPARE), OFTEN(COMPARE), AT(max_rel_rmse),
+	  LIMIT, .group = "Limits",
+	  .help = "largest relRMSE of the radiance's luminance, 0.05 being 5 %" },
 	{ "max-best99", 0, "X", OPTION_REAL, QUIETLY, FOR(COMPARE), AT(max_best_99), LIMIT,
 	  .group = "Limits", .help = "the same without the hundredth of the points that is worst" },
 	{ "max-bias", 0, "X", OPTION_REAL, QUIETLY, FOR(COMPARE), AT(max_bias), LIMIT,
 	  .group = "Limits",
 	  .help = "largest difference of the means, to either side, as a share of the truth's" },
 
-	{ "gain", 'g', "NAME=FACTOR", OPTION_GAIN, FOR(MIX), .group = "Lamps",
+	{ "gain", 'g', "NAME=FACTOR", OPTION_GAIN, FOR(MIX), OFTEN(MIX), .group = "Lamps",
 	  .help = "make a lamp so many times as strong as it is; 0 switches it off, R,G,B dyes it. May "
 			  "be given many times; the name rest is all light that belongs to no lamp" },
-	{ "group", 0, "NAME=FACTOR", OPTION_GROUP, FOR(MIX), .group = "Lamps",
+	{ "group", 0, "NAME=FACTOR", OPTION_GROUP, FOR(MIX), OFTEN(MIX), .group = "Lamps",
 	  .help = "the same for all lamps of a group" },
 	{ "output", 'o', "FILE", OPTION_TEXT, QUIETLY, FOR(LAMP), AT(output), .group = "Output",
 	  .help = "draw its light there as a polar picture, PNG or EXR by the name's extension" },
-	{ "output", 'o', "FILE", OPTION_TEXT, QUIETLY, FOR(RENDER), AT(output), .group = "Output",
+	{ "output", 'o', "FILE", OPTION_TEXT, QUIETLY, FOR(RENDER), OFTEN(RENDER), AT(output),
+	  .group = "Output",
 	  .help = "write the picture there, as PNG or EXR by the name's extension; - is a PNG on "
 			  "standard output. Several pictures are numbered: FILE-0001.png" },
-	{ "size", 0, "WxH", OPTION_TEXT, FOR(RENDER), AT(render.size), .group = "Output",
+	{ "size", 0, "WxH", OPTION_TEXT, FOR(RENDER), OFTEN(RENDER), AT(render.size), .group = "Output",
 	  .help = "width and height of the picture in pixels, 1 to 16384 each" },
 	{ "samples", 0, "N", OPTION_COUNT, FOR(RENDER), AT(render.samples), RANGE(1.0, 8.0),
 	  .group = "Output", .help = "take N by N samples in every pixel" },
 	{ "background", 0, "COLOR", OPTION_TEXT, FOR(RENDER), AT(render.background), .group = "Output",
 	  .help =
 		  "behind the points: R,G,B or one number, linear, 0 to 1; none leaves it transparent" },
-	{ "exposure", 0, "EV", OPTION_REAL, FOR(RENDER), AT(exposure), RANGE(-100.0, 100.0),
-	  AUTOMATIC(NAN), .group = "Output",
+	{ "exposure", 0, "EV", OPTION_REAL, FOR(RENDER), OFTEN(RENDER), AT(exposure),
+	  RANGE(-100.0, 100.0), AUTOMATIC(NAN), .group = "Output",
 	  .help = "as a camera's exposure value at ISO 100: a larger one is darker; auto meters what "
 			  "is in view" },
 	{ "tone", 0, NULL, OPTION_CHOICE, FOR(RENDER), AT(render.tone), .choice = tone_name,
 	  .group = "Output", .help = "how light is fitted into the range of a screen" },
-	{ "false-colour", 0, NULL, OPTION_FLAG, FOR(RENDER), AT(render.false_color), .group = "Output",
-	  .help = "show the luminance by colours, with a scale" },
-	{ "row", 0, NULL, OPTION_FLAG, FOR(RENDER), AT(render.row), .group = "Output",
+	{ "false-colour", 0, NULL, OPTION_FLAG, FOR(RENDER), OFTEN(RENDER), AT(render.false_color),
+	  .group = "Output", .help = "show the luminance by colours, with a scale" },
+	{ "row", 0, NULL, OPTION_FLAG, FOR(RENDER), OFTEN(RENDER), AT(render.row), .group = "Output",
 	  .help = "show each input by itself, side by side in one picture, by one camera, one exposure "
 			  "and one scale, to compare set-ups of lamps" },
 	{ "scale", 0, "LOW,HIGH", OPTION_TEXT, FOR(RENDER), AT(render.scale), .group = "Output",
@@ -366,16 +393,17 @@ const option options[] = {
 	{ "isolux", 0, "LIST", OPTION_TEXT, FOR(RENDER), AT(render.isolux), .group = "Output",
 	  .help = "draw lines where the illuminance has these values, such as 50,100,200 (lx), for "
 			  "--view illuminance" },
-	{ "camera", 'c', "CAMERA", OPTION_TEXT, FOR(RENDER), AT(render.camera), .group = "Camera",
+	{ "camera", 'c', "CAMERA", OPTION_TEXT, FOR(RENDER), OFTEN(RENDER), AT(render.camera),
+	  .group = "Camera",
 	  .help = "'at X,Y,Z to X,Y,Z fov DEGREES': where it stands, where it looks, and its vertical "
 			  "angle of view; or auto, inside or outside, which choose a place" },
-	{ "orbit", 0, "N", OPTION_COUNT, FOR(RENDER), AT(render.orbit), RANGE(1.0, 10000.0),
-	  .group = "Camera",
+	{ "orbit", 0, "N", OPTION_COUNT, FOR(RENDER), OFTEN(RENDER), AT(render.orbit),
+	  RANGE(1.0, 10000.0), .group = "Camera",
 	  .help = "make N pictures all around what the camera looks at; a camera that was placed "
 			  "inside automatically turns on the spot" },
 	{ "path", 0, "FILE", OPTION_TEXT, FOR(RENDER), AT(render.path), .group = "Camera",
 	  .help = "make a picture for every line of a text file; a line is what --camera takes" },
-	{ "mesh", 0, "FILE", OPTION_TEXT, FOR(RENDER), AT(render.mesh), .group = "Scene",
+	{ "mesh", 0, "FILE", OPTION_TEXT, FOR(RENDER), OFTEN(RENDER), AT(render.mesh), .group = "Scene",
 	  .help = "draw the triangles of a mesh, or of all meshes of a scene file, in the light of the "
 			  "points on them, and not these points" },
 	{ "box", 0, "BOX", OPTION_TEXT, FOR(MEASURE), AT(measure_box), .group = "Where",
@@ -386,8 +414,8 @@ const option options[] = {
 	  .group = "Where", .help = "how near, metres" },
 	{ "cull", 0, NULL, OPTION_FLAG, FOR(RENDER), AT(render.cull), .group = "Camera",
 	  .help = "leave out what is seen from behind, to look into a cave from outside" },
-	{ "view", 0, "VIEW", OPTION_VIEW, FOR(RENDER), AT(render.view), .choice = view_name,
-	  .group = "Camera",
+	{ "view", 0, "VIEW", OPTION_VIEW, FOR(RENDER), OFTEN(RENDER), AT(render.view),
+	  .choice = view_name, .group = "Camera",
 	  .help = "what to show; auto is the radiance of a lit cloud, else its albedo in the light of "
 			  "a lamp at the camera" },
 
@@ -411,17 +439,18 @@ const option options[] = {
 			  "sampling" },
 
 	{ "light", 'l', "LIGHT", OPTION_LIGHT, FOR(BAKE | PLAN | TRADEOFF | RENDER | ALBEDO | PROBES),
-	  .group = "Scene",
+	  OFTEN(BAKE | PLAN | TRADEOFF | ALBEDO | PROBES), .group = "Scene",
 	  .help = "add a light: its type, then pairs of key and value; may be given many times" },
 	{ "scanner", 0, "X,Y,Z|@FILE|none", OPTION_SCANNER,
-	  FOR(BAKE | PLAN | TRADEOFF | RENDER | ALBEDO | PROBES), .group = "Scene",
+	  FOR(BAKE | PLAN | TRADEOFF | RENDER | ALBEDO | PROBES), OFTEN(BAKE | ALBEDO),
+	  .group = "Scene",
 	  .help =
 		  "where a scanner stood, in metres, whatever the inputs say: normals that are missing "
 		  "face it where it saw the point. May be given many times; @FILE holds one place a "
 		  "line. Where neither the inputs nor this option say, the place is taken from which the "
 		  "points lie as densely as one scanner's beams do, if there is one; none takes none" },
-	{ "capture", 0, NULL, OPTION_CHOICE, FOR(ALBEDO), AT(capture), .choice = capture_name,
-	  .group = "Scene",
+	{ "capture", 0, NULL, OPTION_CHOICE, FOR(ALBEDO), OFTEN(ALBEDO), AT(capture),
+	  .choice = capture_name, .group = "Scene",
 	  .help = "in what light the photographs were taken: that of --light, a flash at the scanner, "
 			  "an overcast sky; intensity takes the level from the laser and only the chroma from "
 			  "the photographs. auto is --light where that is given, else the laser's intensity" },
@@ -429,8 +458,8 @@ const option options[] = {
 	  .open = true, AUTOMATIC(0.0), .group = "Scene",
 	  .help = "colour, linear and up to 1, that radiance 1 has in the photographs; auto finds it: "
 			  "the brightest surfaces then have an albedo of 0.8" },
-	{ "remainder", 0, NULL, OPTION_CHOICE, FOR(ALBEDO), AT(remainder), .choice = remainder_name,
-	  .group = "Scene",
+	{ "remainder", 0, NULL, OPTION_CHOICE, FOR(ALBEDO), OFTEN(ALBEDO), AT(remainder),
+	  .choice = remainder_name, .group = "Scene",
 	  .help = "what still varies smoothly along a surface when the light of the capture is divided "
 			  "out: albedo leaves it in the albedo; light takes it for light that nobody named and "
 			  "divides it out too, and with it what paint and stone vary slowly; edges and "
@@ -444,7 +473,7 @@ const option options[] = {
 	  .group = "Scene",
 	  .help = "begin with what --save-transport kept of an earlier run for the same points; "
 			  "lights, emission, shadows and bounces may be others" },
-	{ "albedo", 0, NULL, OPTION_ALBEDO, FOR(BAKE | PLAN | TRADEOFF | RENDER | PROBES),
+	{ "albedo", 0, NULL, OPTION_ALBEDO, FOR(BAKE | PLAN | TRADEOFF | RENDER | PROBES), OFTEN(BAKE),
 	  .scene = true, .group = "Scene", .help = "where the diffuse reflectance comes from" },
 	{ "albedo-scale", 0, "X", OPTION_REAL, FOR(BAKE | PLAN | TRADEOFF | PROBES), .scene = true,
 	  AT(points.scale), RANGE(0.0, 1000.0), .group = "Scene",
@@ -460,15 +489,15 @@ const option options[] = {
 	  .scene = true, AT(gamma), .choice = gamma_name, .group = "Scene",
 	  .help = "how the input's colours are encoded" },
 	{ "up", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | INFO | TRADEOFF | RENDER | ALBEDO | PROBES),
-	  .scene = true, AT(up), .choice = up_name, .group = "Scene",
+	  OFTEN(BAKE | RENDER), .scene = true, AT(up), .choice = up_name, .group = "Scene",
 	  .help =
 		  "which axis points up, for suns with azimuth and elevation, for floor and cameras; -y is "
 		  "that "
 		  "of a depth camera's own frame; auto asks the format and, where that does not say, takes "
 		  "z, or y if the points stand on it" },
 	{ "units", 0, NULL, OPTION_CHOICE,
-	  FOR(BAKE | PLAN | INFO | TRADEOFF | RENDER | ALBEDO | PROBES), .scene = true, AT(length),
-	  .choice = length_name, .group = "Scene",
+	  FOR(BAKE | PLAN | INFO | TRADEOFF | RENDER | ALBEDO | PROBES), OFTEN(BAKE | ALBEDO),
+	  .scene = true, AT(length), .choice = length_name, .group = "Scene",
 	  .help =
 		  "what the coordinates are in, and with them the places of lamps and cameras; auto "
 		  "asks the file (WKT or GeoTIFF keys of LAS), else it is metres. All other lengths are "
@@ -480,23 +509,24 @@ const option options[] = {
 			  "takes them for surface; drop also leaves them out of the result" },
 	{ "format", 0, NULL, OPTION_TEXT,
 	  FOR(BAKE | PLAN | INFO | COMPARE | TRADEOFF | MIX | CONVERT | RENDER | ALBEDO | PROBES),
-	  AT(format), .choice = format_name, .group = "Scene",
+	  OFTEN(CONVERT), AT(format), .choice = format_read_name, .group = "Scene",
 	  .help = "read the inputs as this format, whatever they look like" },
 	{ "columns", 0, "LIST", OPTION_TEXT,
 	  FOR(BAKE | PLAN | INFO | COMPARE | TRADEOFF | MIX | CONVERT | RENDER | ALBEDO | PROBES),
-	  AT(columns), .group = "Scene",
+	  OFTEN(CONVERT), AT(columns), .group = "Scene",
 	  .help = "names for the columns of inputs that are tables of text, with commas between them, "
 			  "x, y and z among them; - leaves one out" },
 
-	{ "density", 0, "X", OPTION_REAL, FOR(BAKE | PLAN | SAMPLE | TRADEOFF | PROBES), .scene = true,
-	  AT(density), RANGE(0.0, 1e12), .open = true, AUTOMATIC(0.0), .group = "Scene",
+	{ "density", 0, "X", OPTION_REAL, FOR(BAKE | PLAN | SAMPLE | TRADEOFF | PROBES), OFTEN(SAMPLE),
+	  .scene = true, AT(density), RANGE(0.0, 1e12), .open = true, AUTOMATIC(0.0), .group = "Scene",
 	  .help = "points on a square metre of a mesh; auto is the median of the largest cloud among "
 			  "the inputs, or what --count comes to when there is none" },
-	{ "count", 0, "N", OPTION_COUNT, FOR(BAKE | PLAN | SAMPLE | TRADEOFF), .scene = true, AT(count),
-	  RANGE(1.0, 4e9), .group = "Scene",
+	{ "count", 0, "N", OPTION_COUNT, FOR(BAKE | PLAN | SAMPLE | TRADEOFF), OFTEN(SAMPLE),
+	  .scene = true, AT(count), RANGE(1.0, 4e9), .group = "Scene",
 	  .help = "points on all meshes together, when nothing says their density" },
 
-	{ "region", 0, "REGION", OPTION_TEXT, FOR(BAKE), .scene = true, AT(region), .group = "Light",
+	{ "region", 0, "REGION", OPTION_TEXT, FOR(BAKE), OFTEN(BAKE), .scene = true, AT(region),
+	  .group = "Light",
 	  .help = "light only a part of the scene and write its points alone: 'box X,Y,Z X,Y,Z', what "
 			  "lies between two opposite corners, or 'camera at X,Y,Z to X,Y,Z fov DEGREES', what "
 			  "that sees in a picture of 16:9. Only what its light depends on is computed, and the "
@@ -510,12 +540,13 @@ const option options[] = {
 		  "what is kept where light is gathered: how much there is, or also from where it comes, "
 		  "by which points read it with their own normals; auto does so where these differ, as "
 		  "on rough rock" },
-	{ "quality", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | ALBEDO | PROBES), .scene = true,
-	  AT(quality), .choice = quality_name, .group = "Light",
+	{ "quality", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | ALBEDO | PROBES),
+	  OFTEN(BAKE | PLAN | PROBES), .scene = true, AT(quality), .choice = quality_name,
+	  .group = "Light",
 	  .help = "values for --record-spacing, --least-records, --rays, --light-samples, --cones and "
 			  "--leaf-spacing that go together; those that are given by themselves win" },
-	{ "max-error", 'e', "X", OPTION_REAL, FOR(BAKE | PLAN | TRADEOFF), .scene = true,
-	  AT(bake.max_error), RANGE(0.0, 1.0), .open = true, .automatic = "none",
+	{ "max-error", 'e', "X", OPTION_REAL, FOR(BAKE | PLAN | TRADEOFF), OFTEN(BAKE | PLAN),
+	  .scene = true, AT(bake.max_error), RANGE(0.0, 1.0), .open = true, .automatic = "none",
 	  .automatic_value = 0.0, .group = "Light",
 	  .help =
 		  "refine until the estimated error is at most this, 0.05 being 5 % of the mean "
@@ -528,8 +559,8 @@ const option options[] = {
 	{ "shadows", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | TRADEOFF | RENDER | ALBEDO | PROBES),
 	  .scene = true, AT(bake.shadows), .choice = shadows_name, .group = "Light",
 	  .help = "how lights are hidden by surfaces" },
-	{ "effects", 0, "LIST", OPTION_EFFECTS, FOR(BAKE | PLAN), .scene = true, AT(effects),
-	  .choice = settings_effect_name, .group = "Light",
+	{ "effects", 0, "LIST", OPTION_EFFECTS, FOR(BAKE | PLAN), OFTEN(PLAN), .scene = true,
+	  AT(effects), .choice = settings_effect_name, .group = "Light",
 	  .help =
 		  "which effects are computed, with commas between them: auto is those that the scene "
 		  "calls for, as `glowworm plan` tells; all is every one that leaves the light as it is; "
@@ -538,8 +569,8 @@ const option options[] = {
 		  "error and octree; of the surface transmission, normals (+ estimates all, - takes "
 		  "the given ones), noise and gloss (- takes glossy points for matt ones); columns are "
 		  "those of `--fields lights`; -motion leaves everything where it is without its path" },
-	{ "gaps", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | PROBES), .scene = true, AT(bake.gaps),
-	  .choice = gaps_name, .group = "Light",
+	{ "gaps", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | PROBES), OFTEN(BAKE), .scene = true,
+	  AT(bake.gaps), .choice = gaps_name, .group = "Light",
 	  .help = "what gathered light finds where no scanner looked, because something stood in front "
 			  "of it: the sky, nothing, or as much as from all around. Where no scanner is known, "
 			  "holes of surfaces are gaps" },
@@ -629,8 +660,8 @@ const option options[] = {
 	  .scene = true, AT(bake.threads), RANGE(1.0, 256.0), AUTOMATIC(0.0), .group = "Machine",
 	  .help = "that work; auto is one a core. The result is the same for any number" },
 	{ "memory", 0, "SIZE", OPTION_SIZE, QUIETLY,
-	  FOR(BAKE | PLAN | TRADEOFF | RENDER | DOCTOR | ALBEDO | PROBES), .scene = true,
-	  AT(bake.memory), AUTOMATIC(0.0), .group = "Machine",
+	  FOR(BAKE | PLAN | TRADEOFF | RENDER | DOCTOR | ALBEDO | PROBES), OFTEN(BAKE | PLAN),
+	  .scene = true, AT(bake.memory), AUTOMATIC(0.0), .group = "Machine",
 	  .help = "bytes that a bake may use, with K, M, G or T behind the number; auto is most of "
 			  "what is free. Where they do not hold all points, as many make the surface as "
 			  "fit; of binary PLY, LAS and LAZ baked to PLY the others are never all in memory" },
@@ -667,13 +698,17 @@ const option options[] = {
 
 	{ "devices", 0, NULL, OPTION_FLAG, QUIETLY, FOR(INFO), AT(devices), .group = "Messages",
 	  .help = "list the Vulkan devices instead of files" },
+	{ "stats", 0, NULL, OPTION_FLAG, QUIETLY, FOR(INFO), AT(stats), .group = "Messages",
+	  .help = "also say what all points and their neighbours have to be looked at for: spacing, "
+			  "density, duplicates, strays, ranges of all columns, the mean albedo, the depth and "
+			  "memory of a bake, where the scanner seems to have stood" },
 	{ "places", 0, NULL, OPTION_FLAG, QUIETLY, FOR(INFO), AT(places), .group = "Messages",
 	  .help = "list the places that lamps can be at by name: scanners, and floor that is free to "
 			  "head height, the most open first. They are those of a scene with this one input" },
 	{ "json", 0, NULL, OPTION_FLAG, QUIETLY, FOR(INFO), AT(json), .group = "Messages",
 	  .help = "print JSON, one object a line" },
 	{ "json", 0, NULL, OPTION_FLAG, QUIETLY, FOR(DOCTOR | PLAN | LAMP | MEASURE | METHODS),
-	  AT(json), .group = "Messages", .help = "print JSON" },
+	  OFTEN(PLAN), AT(json), .group = "Messages", .help = "print JSON" },
 	{ "progress", 0, NULL, OPTION_CHOICE, QUIETLY, FOR(BAKE | PLAN | TRADEOFF | RENDER | PROBES),
 	  AT(progress), .choice = progress_name, .group = "Messages",
 	  .help = "auto shows it on a terminal; json writes one object a line to standard error" },
@@ -693,7 +728,7 @@ const option options[] = {
 	{ "verbose", 'v', NULL, OPTION_FLAG, QUIETLY, FOR(BAKE | SAMPLE | RENDER), AT(verbose),
 	  .group = "Messages", .help = "say what was read, made and written" },
 	{ "help", 'h', NULL, OPTION_FLAG, QUIETLY, FOR(EVERY_VERB), AT(help), .group = "Messages",
-	  .help = "print this and stop" },
+	  .help = "print the options that most people need, and stop; --help all prints every one" },
 	{ .name = NULL },
 };
 
@@ -770,7 +805,7 @@ const char *verb_synopsis(verb v)
 	static const char *const synopsis[] = {
 		"bake INPUT... --light LIGHT... -o OUTPUT [option]...",
 		"plan INPUT... --light LIGHT... [option]...",
-		"info FILE... [--places] [--json] | info --devices [--json]",
+		"info FILE... [--stats] [--places] [--json] | info --devices [--json]",
 		"compare RESULT TRUTH [option]...",
 		"mix LIT --gain NAME=FACTOR... -o OUTPUT [option]...",
 		"sample MESH -o POINTS [option]...",
@@ -785,6 +820,62 @@ const char *verb_synopsis(verb v)
 		"methods [--json]"
 	};
 	return synopsis[v];
+}
+
+const char *verb_group_name(int group)
+{
+	static const char *const name[] = { "Light",         "Look at it",      "Points",
+										"Before a bake", "How right it is", NULL };
+	return name[group];
+}
+
+int verb_group(verb v)
+{
+	static const int group[] = {
+		[VERB_BAKE] = 0,     [VERB_PLAN] = 3,   [VERB_INFO] = 2,    [VERB_COMPARE] = 4,
+		[VERB_MIX] = 0,      [VERB_SAMPLE] = 2, [VERB_CONVERT] = 2, [VERB_RENDER] = 1,
+		[VERB_TRADEOFF] = 4, [VERB_ALBEDO] = 3, [VERB_DOCTOR] = 4,  [VERB_LAMP] = 3,
+		[VERB_MEASURE] = 1,  [VERB_PROBES] = 0, [VERB_METHODS] = 4
+	};
+	static_assert(sizeof group / sizeof *group == VERB_COUNT, "every verb has a group");
+	return group[v];
+}
+
+const char *verb_examples(verb v)
+{
+	static const char *const examples[] = {
+		[VERB_BAKE] = "glowworm bake cave.laz --light 'point at 1,2,1.5 intensity 40' -o lit.ply\n"
+					  "glowworm bake ruin.e57 --light 'sun from 135,40 irradiance 3' \\\n"
+					  "      --light 'sky radiance 0.4' -o lit.ply\n"
+					  "glowworm bake cave.scene.json --max-error 0.03 -o lit.ply\n"
+					  "glowworm bake town.laz --light 'sky radiance 1' --memory 8G --resume "
+					  "-o lit.ply",
+		[VERB_PLAN] = "glowworm plan cave.ply --light 'point at 1,2,1.5 intensity 40'",
+		[VERB_INFO] = "glowworm info scan.laz\n"
+					  "glowworm info scan.laz --stats\n"
+					  "glowworm info --places scan.laz",
+		[VERB_COMPARE] = "glowworm compare lit.ply truth.ply --max-relrmse 0.05",
+		[VERB_MIX] = "glowworm mix lit.ply --gain torch=0.5 --gain lamp=1,0.8,0.6 -o dimmed.ply",
+		[VERB_SAMPLE] = "glowworm sample room.obj --count 1000000 -o room.ply",
+		[VERB_CONVERT] = "glowworm convert scan.laz scan.ply\n"
+						 "glowworm convert table.txt scan.ply --columns x,y,z,-,intensity",
+		[VERB_RENDER] = "glowworm render lit.ply -o lit.png\n"
+						"glowworm render lit.ply --camera 'at 1,2,1.5 to 4,2,1 fov 60' -o lit.exr\n"
+						"glowworm render lit.ply --view illuminance --isolux 50,100,200 -o lux.png",
+		[VERB_TRADEOFF] = "glowworm tradeoff cave.ply --light 'point at 1,2,1.5 intensity 40' "
+						  "--svg cave.svg",
+		[VERB_ALBEDO] = "glowworm albedo scan.laz --capture overcast -o albedo.ply\n"
+						"glowworm albedo cave.e57 --capture flash -o albedo.ply",
+		[VERB_DOCTOR] = "glowworm doctor",
+		[VERB_LAMP] = "glowworm lamp\n"
+					  "glowworm lamp lamp.ies -o lamp.png",
+		[VERB_MEASURE] = "glowworm measure lit.ply --path '1,2,0 4,2,0' --reach 0.5",
+		[VERB_PROBES] =
+			"glowworm probes cave.scene.json --count 64 -o atlas.exr --json probes.json",
+		[VERB_METHODS] = "glowworm methods"
+	};
+	static_assert(sizeof examples / sizeof *examples == VERB_COUNT, "every verb has an example");
+	return examples[v];
 }
 
 /* ------------------------------------------------------------------------------- parsing */

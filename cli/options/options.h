@@ -40,6 +40,7 @@ typedef struct option {
 	option_type type;
 	option_effect effect;
 	unsigned verbs;             /* 1 << verb */
+	unsigned common;            /* of these, those whose short help has it */
 	bool scene;                 /* also a key of "bake", with _ for - */
 	size_t offset;              /* in settings */
 	const char *(*choice)(int); /* names of CHOICE and FIELDS, NULL behind the last */
@@ -84,7 +85,10 @@ gw_status options_parse(verb verb, int count, char *const *argument, settings *s
 
 /* Names of verbs: "bake". NULL behind the last. */
 const char *verb_name(int verb);
-const char *verb_summary(verb verb);  /* one sentence */
-const char *verb_synopsis(verb verb); /* behind "glowworm " */
+const char *verb_summary(verb verb);    /* one sentence */
+const char *verb_synopsis(verb verb);   /* behind "glowworm " */
+const char *verb_group_name(int group); /* headings in the list of verbs; NULL behind the last */
+int verb_group(verb verb);
+const char *verb_examples(verb verb); /* commands, a line each */
 
 #endif

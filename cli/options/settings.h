@@ -205,7 +205,7 @@ typedef enum settings_source {
 } settings_source;
 
 /* Room for options, at least as many as options[] has. */
-#define SETTINGS_OPTIONS 128
+#define SETTINGS_OPTIONS 192
 
 typedef struct settings {
 	gw_bake_options bake;
@@ -247,7 +247,7 @@ typedef struct settings {
 	settings_render render;
 	bool vdb_half, vdb_points, force, resume, quiet, verbose, explain, profile, print_scene, json,
 		devices;
-	bool places;
+	bool places, stats; /* of info */
 	bool help;
 	const char *csv, *svg;                     /* of tradeoff */
 	gw_probes_options probes;                  /* but for their seed, which is that of the bake */

@@ -70,6 +70,16 @@ static gw_status call_verb(verb v, settings *s, gw_error *error)
 	return GW_ERROR_INTERNAL;
 }
 
+/* Whether `all` stands behind the request for help. */
+static bool wants_all(int count, char *const *argument)
+{
+	for (int i = 0; i + 1 < count; i++)
+		if ((strcmp(argument[i], "--help") == 0 || strcmp(argument[i], "-h") == 0) &&
+			strcmp(argument[i + 1], "all") == 0)
+			return true;
+	return false;
+}
+
 static gw_status run_verb(int count, char **argument, gw_error *error)
 {
 	verb v = VERB_BAKE;
@@ -77,7 +87,7 @@ static gw_status run_verb(int count, char **argument, gw_error *error)
 	settings s = settings_default();
 	gw_status status = options_parse(v, count - 1, argument + 1, &s, error);
 	if (s.help) {
-		option_text_help(v, stdout);
+		option_text_help(v, wants_all(count, argument), stdout);
 		status = GW_OK;
 	} else if (status == GW_OK) {
 		status = call_verb(v, &s, error);
@@ -86,16 +96,20 @@ static gw_status run_verb(int count, char **argument, gw_error *error)
 	return status;
 }
 
-/* Help as other programs have it: `help`, and `help VERB`. */
-static gw_status run_help(const char *word, gw_error *error)
+/* Help as other programs have it: `help`, `help VERB`, and `help VERB all`. */
+static gw_status run_help(int count, char *const *word, gw_error *error)
 {
 	verb v = VERB_BAKE;
-	if (!word) {
+	if (count == 0) {
 		option_text_usage(stdout);
 		return GW_OK;
 	}
-	GW_TRY(find_verb(word, &v, error));
-	option_text_help(v, stdout);
+	GW_TRY(find_verb(word[0], &v, error));
+	if (count > 2 || (count == 2 && strcmp(word[1], "all") != 0))
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "'%.60s' is too much; it is: glowworm help %s, or glowworm help %s all",
+					   word[count - 1], word[0], word[0]);
+	option_text_help(v, count == 2, stdout);
 	return GW_OK;
 }
 
@@ -106,9 +120,9 @@ static gw_status run(int count, char **argument, gw_error *error)
 		return GW_OK;
 	}
 	if (strcmp(argument[0], "--help") == 0 || strcmp(argument[0], "-h") == 0)
-		return run_help(NULL, error);
-	if (strcmp(argument[0], "help") == 0 && count <= 2)
-		return run_help(count == 2 ? argument[1] : NULL, error);
+		return run_help(0, NULL, error);
+	if (strcmp(argument[0], "help") == 0)
+		return run_help(count - 1, argument + 1, error);
 	if (strcmp(argument[0], "--generate") == 0 && count == 2)
 		return option_text_generate(argument[1], stdout, error);
 	if (argument[0][0] == '-')

@@ -37,6 +37,7 @@ const format las_format = {
 	.probe = probe_las,
 	.read = las_read,
 	.count_rows = las_count_rows,
+	.say_bounds = las_say_bounds,
 	.read_rows = las_read_rows,
 	.settle_rows = las_settle_rows,
 	.accept = las_accept,
@@ -51,6 +52,7 @@ const format laz_format = {
 	.probe = probe_laz,
 	.read = las_read,
 	.count_rows = las_count_rows,
+	.say_bounds = las_say_bounds,
 	.read_rows = las_read_rows,
 	.settle_rows = las_settle_rows,
 };

@@ -24,6 +24,7 @@ gw_status las_read(input_file *in, scan *cloud, gw_error *error);
  * on all of its values, as that of integers of 64 bits does. That the header's bounds are wrong is
  * not said then. */
 uint64_t las_count_rows(input_file *in, uint64_t *together);
+bool las_say_bounds(input_file *in, double minimum[3], double maximum[3]);
 gw_status las_read_rows(input_file *in, const format_rows *rows, scan *cloud, gw_error *error);
 gw_status las_settle_rows(input_file *in, const bool *zero, scan *kept, gw_error *error);
 

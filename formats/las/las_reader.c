@@ -398,6 +398,21 @@ uint64_t las_count_rows(input_file *in, uint64_t *together)
 	return *together > 0 ? r.header.count : 0;
 }
 
+bool las_say_bounds(input_file *in, double minimum[3], double maximum[3])
+{
+	scan notes = { 0 };
+	gw_error ignored = { 0 };
+	las_header header;
+	bool good = las_header_parse(&header, in, &notes, &ignored) == GW_OK;
+	for (int k = 0; good && k < 3; k++) {
+		minimum[k] = header.minimum[k];
+		maximum[k] = header.maximum[k];
+		good = isfinite(minimum[k]) && isfinite(maximum[k]) && minimum[k] <= maximum[k];
+	}
+	scan_clear(&notes);
+	return good;
+}
+
 gw_status las_read_rows(input_file *in, const format_rows *rows, scan *cloud, gw_error *error)
 {
 	*cloud = (scan){ .up = 'z' };

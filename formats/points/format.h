@@ -37,6 +37,10 @@ typedef struct format {
 	 */
 	uint64_t (*count_rows)(struct input_file *in, uint64_t *together);
 
+	/* Between which corners the points lie, by what stands before them, which may be wrong; false
+	 * when nothing does. NULL: the format never says. */
+	bool (*say_bounds)(struct input_file *in, double minimum[3], double maximum[3]);
+
 	/* Reads the points [first, first + count), as read would have them, with all else that the file
 	 * says. On failure *scan is empty. */
 	gw_status (*read_rows)(struct input_file *in, const format_rows *rows, scan *scan,

@@ -29,8 +29,8 @@ bake strays strays.csv
 bake drop strays.csv --strays drop
 bake keep strays.csv --strays keep
 cat strays.notes
-glowworm info strays.csv | grep '^  strays'
-glowworm info clean.csv | grep -c strays || :
+glowworm info --stats strays.csv | grep '^  strays'
+glowworm info --stats clean.csv | grep -c strays || :
 grep -o '"kind": "[a-z ]*", "points": [0-9]*, "example": [0-9]*' strays.json
 sed 2,23d strays-lit.csv | cmp - clean-lit.csv && echo "no point that is none changed"
 cmp drop-lit.csv clean-lit.csv && echo "dropped"

@@ -12,7 +12,7 @@ cloud() { # R G B: a floor of 100 points, all of one colour but the first, which
 notes() { # FILE option...
 	glowworm bake "$@" --light 'sky radiance 1' --estimate-points 0 -o lit.ply -f 2>notes.txt
 	grep 'the albedo\|faces' notes.txt
-	glowworm info lit.ply --json | grep -o '"albedo": \[0\.[0-9][0-9]'
+	glowworm info lit.ply --stats --json | grep -o '"albedo": \[0\.[0-9][0-9]'
 }
 cloud 32896.5 65535.5 >words.txt
 notes words.txt

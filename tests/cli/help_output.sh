@@ -2,16 +2,40 @@
 glowworm --version
 glowworm --help
 for verb in bake plan info convert render doctor; do
-	glowworm $verb --help >help.txt || echo "status $?"
+	glowworm $verb --help >short.txt || echo "status $?"
+	glowworm $verb --help all >help.txt || echo "status $?"
 	head -n 3 help.txt
-	awk 'length($0) > 90 { print "too wide: " $0 }' help.txt
+	awk 'length($0) > 90 { print "too wide: " $0 }' short.txt help.txt
 	# Every option that the completion knows is in the help, and the other way round.
-	glowworm --generate fish | sed -n "s/.*subcommand_from $verb' -l \([a-z-]*\).*/\1/p" | sort >one
-	sed -n 's/^  [ -][ a-z][ ,] --\([a-z-]*\).*/\1/p' help.txt | sort >other
+	glowworm --generate fish | sed -n "s/.*subcommand_from $verb' -l \([a-z-]*\).*/\1/p" |
+		sort >one
+	options() { sed -n 's/^  [ -][ a-z][ ,] --\([a-z-]*\).*/\1/p' "$1" | sort; }
+	options help.txt >other
 	cmp one other && [ "$(wc -l <one)" -gt 4 ]
+	# The short help has some of them, and all where there are few.
+	options short.txt | comm -23 - other
+	[ "$(options short.txt | wc -l)" -lt "$(wc -l <other)" ] && echo "$verb: some" ||
+		echo "$verb: all"
 done
+# Every verb has examples, which its own options are in.
+glowworm --help | sed -n 's/^  \([a-z]*\)  .*/\1/p' | while read -r verb; do
+	glowworm "$verb" --help | sed -n '/^Examples/,/^$/p' | grep -o -- '--[a-z-]*' | sort -u >one
+	glowworm "$verb" --help all | grep -o -- '--[a-z-]*' | sort -u | comm -23 one -
+	glowworm "$verb" --help | grep -q "^  glowworm $verb" || echo "no example: $verb"
+done
+# How to write lights stands at the top of bake's; and each is one that it takes.
+glowworm bake --help | sed -n '/^Lights/,/^$/p' | sed -n "s/^  --light '\([^']*\)'.*/\1/p" >lights
+wc -l <lights
+while read -r light; do
+	glowworm bake none.ply --light "$light" -o lit.ply 2>&1 | grep -v 'none.ply' || :
+done <lights
+# Formats that can be read, and those that can be written.
+glowworm convert --help | grep -oE -- '--(output-)?format [a-z0-9|]*'
 glowworm render --help >help.txt
 glowworm help render | cmp - help.txt
+glowworm render --help all >help.txt
+glowworm help render all | cmp - help.txt
+glowworm help render more 2>&1 || echo "status $?"
 glowworm help | head -n 1
 glowworm bake --help >/dev/full
 echo "full disk: $?"

@@ -31,10 +31,10 @@ for f in 1 1e-20 1e9; do
 		"\"bake\": {\"estimate_points\": 0}}\n", \
 		f, f, f / 2, f / 5, f / 10, 0.6 * f, 0.7 * f, f * f }' >$f.scene.json
 	glowworm bake $f.scene.json -q --frames all -o f$f-%d.ply
-	glowworm info room$f.txt --json >$f.json
+	glowworm info --stats room$f.txt --json >$f.json
 	near "density of $f" "$(sed 's/.*"density": *\([^,]*\),.*/\1/' $f.json)" \
 		"$(awk -v f=$f 'BEGIN { print 144 / f / f }')" 0.001
-	glowworm info room$f.txt | sed -n 's/^  bake *\(depth [0-9]*\),.*/\1/p'
+	glowworm info --stats room$f.txt | sed -n 's/^  bake *\(depth [0-9]*\),.*/\1/p'
 	# The rays' noise: 0.7 % was seen, three times that.
 	for i in 0 1; do
 		near "frame $i of $f" "$(mean f$f-$i.ply)" "$(mean f1-$i.ply)" 0.02

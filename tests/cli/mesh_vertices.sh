@@ -45,7 +45,7 @@ glb 0 >points.glb
 glb 4 >triangle.glb
 glb 1 >lines.glb
 glowworm convert points.glb -  --output-format csv
-glowworm info triangle.glb 2>&1 | grep -E '^  (points|note)'
+glowworm info --stats triangle.glb 2>&1 | grep -E '^  (points|note)'
 glowworm convert lines.glb - --output-format csv || echo $?
 
 # Faces: bake samples them, --format or "mesh": false takes the vertices.

@@ -1,7 +1,7 @@
 # sample: points of a mesh, as many as asked for, evenly; from files, pipes and scenes; errors.
 glowworm sample "$SOURCE/samples/cornell.obj" --density 1000 -v -o a.ply 2>&1 | sed 's|/.*/||'
 # Points, bounds and columns; positions of 20 m^2 + lamp.
-glowworm info a.ply | grep -E '^  (format|points|bounds   |normals|red|emission_r|specular)'
+glowworm info --stats a.ply | grep -E '^  (format|points|bounds   |normals|red|emission_r|specular)'
 # The density of each wall: 4 m^2 and 1000 points/m^2, to less than 2 points, which is 0.05 %.
 header=$(sed '/^end_header$/q' a.ply | wc -c)
 tail -c +$((header + 1)) a.ply | od -A n -v -t u1 -w39 | awk '
@@ -19,7 +19,7 @@ sample "$cube" -o seed.ply --seed 1
 [ "$(points one.ply)" = "$(points seed.ply)" ] && echo "the seed does not matter"
 # Without its folder the pipe lacks the materials.
 sample - -o pipe.ply <"$cube" 2>&1
-glowworm info pipe.ply | grep albedo
+glowworm info --stats pipe.ply | grep albedo
 # What cannot be sampled.
 refuse() { # status arguments...
 	expected=$1
@@ -63,5 +63,5 @@ json=$json'"byteLength":36}],"buffers":[{"byteLength":36}]}  '
 	printf '\0\0\0\0\0\0\200\77\0\0\0\0'
 } >triangle.glb
 glowworm sample triangle.glb --count 100 -o triangle.ply
-glowworm info triangle.ply | grep -E '^  (points|bounds  |normals|emission)'
+glowworm info --stats triangle.ply | grep -E '^  (points|bounds  |normals|emission)'
 glowworm info triangle.glb 2>&1 || echo $?

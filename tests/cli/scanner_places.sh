@@ -32,7 +32,8 @@ seen_from() { # x y z points
 			print x + t * w[0], y + t * w[1], z + t * w[2] } }'
 }
 told() { # FILE, places that it was scanned from; 0.05: one neighbourhood of a thousand is wider
-	glowworm info "$1" | awk -v places="$2" '/ at / { at[++n] = $(NF - 2) "," $(NF - 1) "," $NF }
+	glowworm info --stats "$1" | awk -v places="$2" '
+		/ at / { at[++n] = $(NF - 2) "," $(NF - 1) "," $NF }
 		END { m = split(places, e, " "); ok = n == m
 		for (i = 1; i <= m; i++) { split(at[i], a, ","); split(e[i], b, ",")
 			for (k = 1; k <= 3; k++) ok = ok && (a[k] - b[k]) ^ 2 < 0.05 ^ 2 }
