@@ -390,10 +390,10 @@ gallery: deps  ## pictures of the three sample scenes, with and without each eff
 	@GLOWWORM=$(BUILD)/glowworm MAKE_CAVE=$(BUILD)/samples/make_cave \
 		samples/gallery.sh $(BUILD)/gallery
 
-tradeoff: deps  ## error, seconds and memory of many settings, into the README
+tradeoff: deps  ## error, seconds and memory of many settings, into tests/bench/measured.md
 	@$(build_quietly) all
 	@GLOWWORM=$(BUILD)/glowworm MAKE_CAVE=$(BUILD)/samples/make_cave \
-		samples/tradeoff.sh $(BUILD)/tradeoff README.md
+		samples/tradeoff.sh $(BUILD)/tradeoff tests/bench/measured.md
 
 bin    = $(DESTDIR)$(PREFIX)/bin
 shared = $(DESTDIR)$(PREFIX)/share
