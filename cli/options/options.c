@@ -255,6 +255,12 @@ const option options[] = {
 	{ "output-format", 0, NULL, OPTION_TEXT, QUIETLY, FOR(BAKE | SAMPLE | MIX | CONVERT | ALBEDO),
 	  OFTEN(CONVERT), AT(output_format), .choice = format_write_name, .group = "Output",
 	  .help = "write the points as this format, whatever the name's extension says" },
+	{ "shift", 0, "auto|X,Y,Z", OPTION_TEXT, FOR(BAKE | MIX | CONVERT | ALBEDO), AT(shift),
+	  .group = "Output",
+	  .help = "write coordinates of a map as floats: less X,Y,Z, which the header of the PLY file "
+			  "says; auto takes the middle of the points, to a kilometre, of each axis on which "
+			  "some are 10,000 or more. Lamps, scanners and cameras keep the input's coordinates, "
+			  "and reading such a file adds X,Y,Z again" },
 	{ "force", 'f', NULL, OPTION_FLAG, QUIETLY,
 	  FOR(BAKE | SAMPLE | COMPARE | TRADEOFF | MIX | CONVERT | RENDER | ALBEDO | LAMP | PROBES),
 	  OFTEN(BAKE | SAMPLE | MIX | CONVERT | RENDER | ALBEDO | PROBES | COMPARE), AT(force),

@@ -5,6 +5,7 @@
 #define SETTINGS_H
 
 #include "options/motion_path.h"
+#include "options/output_shift.h"
 #include "points/scan.h"
 #include "glowworm_probes.h"
 
@@ -242,6 +243,8 @@ typedef struct settings {
 	float exposure;                  /* EV; NAN: from the picture */
 	const char *scene;               /* the scene file that was read, or NULL */
 	const char *transport, *save_transport;
+	const char *shift;     /* as given; NULL: none */
+	output_shift shifting; /* what becomes of it: of bake */
 	const char *output, *vdb, *vdb_sh, *report, *format, *columns, *output_format;
 	float vdb_voxel; /* metres; 0: the octree's cells */
 	settings_render render;

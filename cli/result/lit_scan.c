@@ -372,7 +372,8 @@ static gw_status make_all(maker *m)
 	while (m->from->column_count > 0)
 		GW_TRY(move_column(m, m->from->column[0].name));
 	GW_TRY(make_light(m));
-	return make_fields(m);
+	GW_TRY(make_fields(m));
+	return output_shift_apply(&m->settings->shifting, m->lit, m->error);
 }
 
 /* The exposure of the points that are written. */

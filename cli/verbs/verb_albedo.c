@@ -15,7 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static gw_status check(const settings *s, const format **to, gw_error *error)
+static gw_status check(settings *s, const format **to, gw_error *error)
 {
 	if (s->input_count == 0)
 		return gw_fail(error, GW_ERROR_USAGE, "whose albedo? Name a scan, or - for standard input");
@@ -25,7 +25,8 @@ static gw_status check(const settings *s, const format **to, gw_error *error)
 	GW_TRY(
 		stream_roles_check_outputs(&(stream_output){ "--output", s->output, "this is" }, 1, error));
 	GW_TRY(file_roles_check(VERB_ALBEDO, s, NULL, error));
-	return output_name_format(s->output, s->output_format, to, error);
+	GW_TRY(output_name_format(s->output, s->output_format, to, error));
+	return output_shift_read(s->shift, *to, &s->shifting, error);
 }
 
 /* What is photographed must not be lit already: its colours are a preview then. */
@@ -201,6 +202,8 @@ static gw_status run(settings *s, loaded_scene *scene, output_file **output, gw_
 	GW_TRY(read_scan(s, scene, error));
 	GW_TRY(find_albedo(s, scene, error));
 	GW_TRY(store_albedo(s, scene, error));
+	output_shift_settle_by(&s->shifting, &scene->cloud, s->quiet);
+	GW_TRY(output_shift_apply(&s->shifting, &scene->cloud, error));
 	GW_TRY(to->write(*output, &scene->cloud, error));
 	return output_file_commit(output, error);
 }

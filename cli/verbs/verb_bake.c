@@ -105,7 +105,7 @@ static gw_status check_resume(const settings *s, gw_error *error)
 
 static gw_status check(bake *b)
 {
-	const settings *s = b->settings;
+	settings *s = b->settings;
 	if (s->input_count == 0)
 		return gw_fail(b->error, GW_ERROR_USAGE,
 					   "what to light? Name an input, or - for standard input");
@@ -132,7 +132,7 @@ static gw_status check(bake *b)
 		GW_TRY(file_roles_check(VERB_BAKE, s, NULL, b->error));
 	if (s->output)
 		GW_TRY(output_name_format(s->output, s->output_format, &b->format, b->error));
-	return GW_OK;
+	return output_shift_read(s->shift, b->format, &s->shifting, b->error);
 }
 
 /* Can grids be written there? path may be NULL. */
@@ -698,6 +698,7 @@ static gw_status run(bake *b)
 	if (b->ranks.rank == 0)
 		b->settings->bake.drivers = b->drivers = gw_drivers_load();
 	GW_TRY(read_inputs(b));
+	output_shift_settle_by(&b->settings->shifting, &b->scene.cloud, b->settings->quiet);
 	GW_TRY(check_results(b));
 	GW_TRY(loaded_scene_lights(&b->scene, b->settings, &b->light, b->error));
 	if (b->settings->explain && b->settings->frame_count > 0)

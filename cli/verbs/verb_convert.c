@@ -14,7 +14,7 @@ static const char *output_of(const settings *s)
 	return s->output ? s->output : s->input[1].path;
 }
 
-static gw_status check(const settings *s, const format **to, gw_error *error)
+static gw_status check(const settings *s, const format **to, output_shift *shift, gw_error *error)
 {
 	if (s->output && s->input_count > 1)
 		return gw_fail(error, GW_ERROR_USAGE,
@@ -27,6 +27,7 @@ static gw_status check(const settings *s, const format **to, gw_error *error)
 	const char *out = output_of(s);
 	GW_TRY(file_roles_check(VERB_CONVERT, s, NULL, error));
 	GW_TRY(output_name_format(out, s->output_format, to, error));
+	GW_TRY(output_shift_read(s->shift, *to, shift, error));
 	bool binary = strcmp((*to)->name, "xyz") != 0 && strcmp((*to)->name, "csv") != 0;
 	if (binary && strcmp(out, "-") == 0 && isatty(STDOUT_FILENO))
 		return gw_fail(error, GW_ERROR_USAGE,
@@ -46,12 +47,15 @@ static void note_reading(const settings *s, const scan *cloud)
 static gw_status convert(const settings *s, scan *cloud, output_file **out, gw_error *error)
 {
 	const format *to = NULL;
+	output_shift shift;
 	const format_options options = { s->format, s->columns, s->bake.threads };
-	GW_TRY(check(s, &to, error));
+	GW_TRY(check(s, &to, &shift, error));
 	GW_TRY(output_file_create(out, output_of(s), s->force, error));
 	GW_TRY(format_read_with(s->input[0].path, &options, cloud, NULL, error));
 	GW_TRY(signals_check(error));
 	note_reading(s, cloud);
+	output_shift_settle_by(&shift, cloud, s->quiet);
+	GW_TRY(output_shift_apply(&shift, cloud, error));
 	GW_TRY(to->write(*out, cloud, error));
 	GW_TRY(signals_check(error));
 	return output_file_commit(out, error);

@@ -7,6 +7,7 @@
 #include "files/number_text.h"
 #include "files/output_file.h"
 #include "options/output_name.h"
+#include "points/scan_shift.h"
 #include "options/preview.h"
 #include "options/progress.h"
 #include "points/scan_color.h"
@@ -29,6 +30,7 @@ typedef struct mixing {
 	format_parts parts;
 	light_mix mix;
 	preview_meter meter;
+	output_shift shift;
 	double exposure;         /* of the preview */
 	unsigned passed, passes; /* how often all parts were read, and will be */
 	progress progress;
@@ -59,7 +61,8 @@ static gw_status check(mixing *m)
 	GW_TRY(stream_roles_check_outputs(&(stream_output){ "--output", s->output, "points are" }, 1,
 									  m->error));
 	GW_TRY(file_roles_check(VERB_MIX, s, NULL, m->error));
-	return output_name_format(s->output, s->output_format, &m->format, m->error);
+	GW_TRY(output_name_format(s->output, s->output_format, &m->format, m->error));
+	return output_shift_read(s->shift, m->format, &m->shift, m->error);
 }
 
 /* ------------------------------------------------------------------------------------- preview */
@@ -166,7 +169,9 @@ static gw_status finish_part(const mixing *m, mixed_part *part)
 {
 	drop_comments(&part->cloud);
 	GW_TRY(add_command(m, &part->cloud));
-	return wants_preview(m, &part->cloud) ? make_preview(m, part) : GW_OK;
+	if (wants_preview(m, &part->cloud))
+		GW_TRY(make_preview(m, part));
+	return output_shift_apply(&m->shift, &part->cloud, m->error);
 }
 
 static void clear_part(mixed_part *part)
@@ -258,8 +263,24 @@ static gw_status note_metering(mixing *m, mixed_part *part)
 	return GW_OK;
 }
 
+/* Reads all points once more, for a shift of all of them. */
+static gw_status settle_shift(mixing *m)
+{
+	double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY };
+	for (uint64_t first = 0; m->shift.wanted && first < m->parts.count; first += PART_POINTS) {
+		scan part;
+		GW_TRY(format_parts_read(&m->parts, first, PART_POINTS, &part, m->error));
+		scan_shift_bounds(&part, low, high);
+		scan_clear(&part);
+		GW_TRY(signals_check(m->error));
+	}
+	output_shift_settle(&m->shift, low, high, m->settings->quiet);
+	return GW_OK;
+}
+
 static gw_status mix_parts(mixing *m)
 {
+	GW_TRY(settle_shift(m));
 	GW_TRY(use_part(m, 0, 1, note_metering));
 	m->mix.own = m->mix.squares = 0.0;
 	m->passes = isnan(m->exposure) ? 3 : 1;
@@ -285,8 +306,10 @@ static gw_status mix_whole(mixing *m)
 	if (status == GW_OK)
 		m->exposure = meters(m, &all.cloud) ? preview_exposure(all.radiance, NULL, all.cloud.count)
 											: (double)s->exposure;
-	if (status == GW_OK)
+	if (status == GW_OK) {
+		output_shift_settle_by(&m->shift, &all.cloud, s->quiet);
 		status = finish_part(m, &all);
+	}
 	if (status == GW_OK)
 		status = m->format->write(m->output, &all.cloud, m->error);
 	clear_part(&all);

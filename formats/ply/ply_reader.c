@@ -4,6 +4,7 @@
  */
 #include "ply/ply_format.h"
 #include "points/column_names.h"
+#include "points/scan_shift.h"
 #include "files/number_text.h"
 #include "glowworm_host.h"
 #include "ply/ply_header.h"
@@ -581,6 +582,8 @@ gw_status ply_read(input_file *in, scan *cloud, gw_error *error)
 		if (status == GW_OK && r.splats)
 			status = ply_splats_take(cloud, error);
 		if (status == GW_OK)
+			status = scan_shift_undo(cloud, error);
+		if (status == GW_OK)
 			status = note_faces(&header, cloud, error);
 		ply_header_clear(&header);
 	}
@@ -628,6 +631,7 @@ static gw_status take_part(reader *r, const format_rows *part, size_t bytes)
 	r->swap = needs_swap(r->header);
 	r->at += part->first * bytes;
 	gw_parallel_for(r->in->threads, r->scan->count, BLOCK_ROWS, take_rows, &(rows){ r, bytes });
+	GW_TRY(scan_shift_undo(r->scan, r->error));
 	return note_faces(r->header, r->scan, r->error);
 }
 
