@@ -426,6 +426,16 @@ gw_status lit_scan_meter(const loaded_scene *scene, const gw_bake_result *result
 							  : GW_OK;
 }
 
+static void move_images(scan *from, scan *to)
+{
+	to->image = from->image;
+	to->image_count = from->image_count;
+	to->image_cell = from->image_cell;
+	from->image = NULL;
+	from->image_count = 0;
+	from->image_cell = NULL;
+}
+
 gw_status lit_scan_make(loaded_scene *scene, const gw_bake_result *result, const settings *s,
 						scan *lit, double *exposure, gw_error *error)
 {
@@ -441,6 +451,9 @@ gw_status lit_scan_make(loaded_scene *scene, const gw_bake_result *result, const
 	m.from->scanner = NULL;
 	m.from->scanner_of = NULL;
 	m.from->scanner_count = 0;
+	/* Pictures have all of their points, or are none. */
+	if (!result->asked && !(s->strays == SETTINGS_STRAYS_DROP && result->stray))
+		move_images(m.from, lit);
 	scan_clear(&scene->cloud);
 	if (status == GW_OK)
 		status = drop_points(lit, result, s->strays == SETTINGS_STRAYS_DROP, error);

@@ -218,6 +218,8 @@ static gw_status find_all(const settings *s, const char *path, info_facts *f, gw
 		GW_TRY(read_quickly(s, path, f, error));
 	if (!f->format)
 		GW_TRY(read_whole(s, path, f, error));
+	if (f->points == 0)
+		return gw_fail(error, GW_ERROR_DATA, "%s: there are no points", f->name);
 	gw_status status = coordinates_find(&f->cloud, (coordinates_unit)s->length, &f->place, &reason);
 	if (status == GW_OK) {
 		bounds_to_metres(f);

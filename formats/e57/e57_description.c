@@ -1,4 +1,5 @@
 #include "e57/e57_description.h"
+#include "e57/e57_names.h"
 #include "files/growing_table.h"
 #include "files/number_text.h"
 
@@ -23,6 +24,8 @@ typedef struct parser {
 	size_t depth;
 	char value[VALUE]; /* text of the innermost element, as far as it fits */
 	size_t value_length;
+	char *comment; /* owned; text of a comment so far */
+	size_t comment_length, comment_room;
 } parser;
 
 /* ------------------------------------------------------------------------------ failures */
@@ -180,11 +183,54 @@ static void take_field(parser *p, const char *element, const char **attribute)
 	e57_field *grown = growing_table_room(scan->field, scan->field_count, sizeof *grown);
 	if (grown)
 		scan->field = grown;
+	bool ours = false;
 	f.name = grown ? strdup(element) : NULL;
-	if (f.name)
+	f.column = f.name ? e57_name_read(element, &ours) : NULL;
+	if (f.name && (f.column || !ours)) {
 		scan->field[scan->field_count++] = f;
-	else
+	} else {
+		free(f.name);
 		fail_memory(p);
+	}
+}
+
+/* Whether the innermost element is one of our comments. */
+static bool is_comment(const parser *p)
+{
+	return p->depth == 3 && strcmp(p->name[0], "e57Root") == 0 &&
+		   strcmp(p->name[1], E57_COMMENTS) == 0 && strcmp(p->name[2], "vectorChild") == 0;
+}
+
+static void add_to_comment(parser *p, const char *text, size_t length)
+{
+	if (p->comment_room - p->comment_length <= length) {
+		size_t room = 2 * p->comment_room + length + 64;
+		char *grown = realloc(p->comment, room);
+		if (!grown) {
+			fail_memory(p);
+			return;
+		}
+		p->comment = grown;
+		p->comment_room = room;
+	}
+	memcpy(p->comment + p->comment_length, text, length);
+	p->comment_length += length;
+	p->comment[p->comment_length] = '\0';
+}
+
+static void end_comment(parser *p)
+{
+	e57_description *d = p->to;
+	char **grown = growing_table_room(d->comment, d->comment_count, sizeof *grown);
+	char *text = strdup(p->comment ? p->comment : "");
+	if (grown)
+		d->comment = grown;
+	if (grown && text) {
+		d->comment[d->comment_count++] = text;
+	} else {
+		free(text);
+		fail_memory(p);
+	}
 }
 
 static void XMLCALL open_element(void *user, const char *element, const char **attribute)
@@ -199,6 +245,9 @@ static void XMLCALL open_element(void *user, const char *element, const char **a
 	snprintf(p->name[p->depth], NAME, "%s", element);
 	p->depth++;
 	p->value_length = 0;
+	p->comment_length = 0;
+	if (p->comment)
+		p->comment[0] = '\0';
 	if (is_at(p, 0, NULL, NULL))
 		add_scan(p);
 	else if (is_at(p, 1, "points", NULL))
@@ -210,6 +259,8 @@ static void XMLCALL open_element(void *user, const char *element, const char **a
 static void XMLCALL take_text(void *user, const char *text, int length)
 {
 	parser *p = user;
+	if (p->status == GW_OK && is_comment(p) && length > 0)
+		add_to_comment(p, text, (size_t)length);
 	for (int i = 0; i < length; i++)
 		if (p->value_length < VALUE && (unsigned char)text[i] > ' ')
 			p->value[p->value_length++] = text[i];
@@ -234,6 +285,8 @@ static void XMLCALL close_element(void *user, const char *element)
 	if (p->status != GW_OK)
 		return;
 	double *pose = find_pose(p);
+	if (is_comment(p))
+		end_comment(p);
 	if (pose) {
 		/* An empty number is zero. */
 		*pose = 0.0;
@@ -296,6 +349,7 @@ gw_status e57_description_parse(e57_description *description, const e57_pages *p
 		*p = (parser){ .in = in, .to = description, .xml = xml, .error = error };
 		status = parse_text(p, pages);
 		XML_ParserFree(xml);
+		free(p->comment);
 	}
 	free(p);
 	if (status != GW_OK)
@@ -303,13 +357,22 @@ gw_status e57_description_parse(e57_description *description, const e57_pages *p
 	return status;
 }
 
+static void clear_field(e57_field *field)
+{
+	free(field->name);
+	free(field->column);
+}
+
 void e57_description_clear(e57_description *description)
 {
 	for (size_t s = 0; s < description->scan_count; s++) {
 		for (size_t f = 0; f < description->scan[s].field_count; f++)
-			free(description->scan[s].field[f].name);
+			clear_field(&description->scan[s].field[f]);
 		free(description->scan[s].field);
 	}
 	free(description->scan);
+	for (size_t c = 0; c < description->comment_count; c++)
+		free(description->comment[c]);
+	free(description->comment);
 	*description = (e57_description){ 0 };
 }

@@ -12,7 +12,8 @@
 typedef enum e57_type { E57_INTEGER, E57_SCALED, E57_SINGLE, E57_DOUBLE, E57_STRING } e57_type;
 
 typedef struct e57_field {
-	char *name; /* owned; as in the file */
+	char *name;   /* owned; as in the file */
+	char *column; /* owned; the name of the column, of fields of our extension, else NULL */
 	e57_type type;
 	int64_t minimum, maximum; /* of integers as they are stored */
 	double scale, offset;     /* of scaled ones */
@@ -32,6 +33,8 @@ typedef struct e57_scan {
 typedef struct e57_description {
 	e57_scan *scan; /* owned */
 	size_t scan_count;
+	char **comment; /* owned, each and the list; comment_count, of our extension */
+	size_t comment_count;
 } e57_description;
 
 /*

@@ -6,10 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define PAGE ((size_t)1024)
-#define CONTENT ((size_t)1020)
-#define HEADER_BYTES 48
-
 /* Castagnoli's polynomial, bits reversed; table[k] is for bytes k places before the last of 4. */
 static uint32_t table[4][256];
 static pthread_once_t table_once = PTHREAD_ONCE_INIT;
@@ -31,12 +27,18 @@ static void make_table(void)
 static uint32_t checksum(const uint8_t *bytes)
 {
 	uint32_t sum = UINT32_MAX;
-	for (size_t i = 0; i < CONTENT; i += 4) {
+	for (size_t i = 0; i < E57_CONTENT; i += 4) {
 		sum ^= (uint32_t)e57_load(bytes + i, 4);
 		sum = table[3][sum & 255] ^ table[2][sum >> 8 & 255] ^ table[1][sum >> 16 & 255] ^
 			  table[0][sum >> 24];
 	}
 	return ~sum;
+}
+
+uint32_t e57_page_checksum(const uint8_t *content)
+{
+	pthread_once(&table_once, make_table);
+	return checksum(content);
 }
 
 typedef struct copying {
@@ -50,9 +52,9 @@ static void copy_pages(void *user, size_t first, size_t last, uint32_t worker)
 	(void)worker;
 	copying *c = user;
 	for (size_t p = first; p < last; p++) {
-		const uint8_t *from = c->in->data + p * PAGE;
-		memcpy(c->pages->data + p * CONTENT, from, CONTENT);
-		uint32_t stored = __builtin_bswap32((uint32_t)e57_load(from + CONTENT, 4));
+		const uint8_t *from = c->in->data + p * E57_PAGE;
+		memcpy(c->pages->data + p * E57_CONTENT, from, E57_CONTENT);
+		uint32_t stored = __builtin_bswap32((uint32_t)e57_load(from + E57_CONTENT, 4));
 		size_t before = atomic_load(&c->bad);
 		if (checksum(from) != stored)
 			while (p < before && !atomic_compare_exchange_weak(&c->bad, &before, p))
@@ -63,7 +65,7 @@ static void copy_pages(void *user, size_t first, size_t last, uint32_t worker)
 static gw_status check_header(const input_file *in, gw_error *error)
 {
 	const uint8_t *head = in->data;
-	if (in->length < HEADER_BYTES || memcmp(head, "ASTM-E57", 8) != 0)
+	if (in->length < E57_HEADER || memcmp(head, "ASTM-E57", 8) != 0)
 		return gw_fail(error, GW_ERROR_DATA,
 					   "%s is no E57 file: it does not begin with 'ASTM-E57' and a header of 48 "
 					   "bytes",
@@ -74,10 +76,10 @@ static gw_status check_header(const input_file *in, gw_error *error)
 		return gw_fail(error, GW_ERROR_DATA,
 					   "%s is of version %llu of E57; only version 1 is known", in->name,
 					   (unsigned long long)major);
-	if (page != PAGE)
+	if (page != E57_PAGE)
 		return gw_fail(error, GW_ERROR_DATA, "%s has pages of %llu bytes; in E57 they have 1024",
 					   in->name, (unsigned long long)page);
-	if (length != in->length || length % PAGE != 0)
+	if (length != in->length || length % E57_PAGE != 0)
 		return gw_fail(error, GW_ERROR_DATA,
 					   "%s has %zu bytes, but its header says %llu, in pages of 1024; the file is "
 					   "cut short or damaged",
@@ -87,8 +89,8 @@ static gw_status check_header(const input_file *in, gw_error *error)
 
 static gw_status copy_all(e57_pages *pages, const input_file *in, gw_error *error)
 {
-	size_t count = in->length / PAGE;
-	pages->length = count * CONTENT;
+	size_t count = in->length / E57_PAGE;
+	pages->length = count * E57_CONTENT;
 	pages->data = malloc(pages->length + 16);
 	if (!pages->data)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the %zu pages of %s", count,
@@ -101,7 +103,7 @@ static gw_status copy_all(e57_pages *pages, const input_file *in, gw_error *erro
 		return gw_fail(error, GW_ERROR_DATA,
 					   "%s, bytes %zu to %zu: the checksum of this page is wrong; the file is "
 					   "damaged",
-					   in->name, bad * PAGE, bad * PAGE + PAGE - 1);
+					   in->name, bad * E57_PAGE, bad * E57_PAGE + E57_PAGE - 1);
 	return GW_OK;
 }
 
@@ -137,9 +139,9 @@ void e57_pages_clear(e57_pages *pages)
 
 bool e57_pages_locate(const e57_pages *pages, uint64_t offset, size_t *at)
 {
-	uint64_t within = offset % PAGE, page = offset / PAGE;
-	if (within >= CONTENT || page >= pages->length / CONTENT)
+	uint64_t within = offset % E57_PAGE, page = offset / E57_PAGE;
+	if (within >= E57_CONTENT || page >= pages->length / E57_CONTENT)
 		return false;
-	*at = (size_t)(page * CONTENT + within);
+	*at = (size_t)(page * E57_CONTENT + within);
 	return true;
 }

@@ -6,6 +6,13 @@
 
 #include "files/input_file.h"
 
+#define E57_PAGE ((size_t)1024)
+#define E57_CONTENT ((size_t)1020) /* bytes of a page before its checksum */
+#define E57_HEADER 48              /* bytes of the file's header */
+
+/* CRC-32C of the content of a page. */
+uint32_t e57_page_checksum(const uint8_t *content);
+
 /* What is left when the checksums are taken out. */
 typedef struct e57_pages {
 	uint8_t *data; /* owned; length bytes, and 16 zeros behind them */

@@ -279,6 +279,8 @@ static const char *column_name(const source *s, size_t field)
 	const e57_field *f = &s->scan->field[field];
 	if (f->type == E57_STRING)
 		return NULL;
+	if (f->column)
+		return f->column;
 	for (size_t k = 0; k < sizeof known / sizeof *known; k++)
 		if (strcmp(f->name, known[k][0]) == 0)
 			return known[k][1];
@@ -538,6 +540,8 @@ static gw_status read_all(reader *r)
 		GW_TRY(place_points(r, s, i));
 	}
 	leave_out(r);
+	for (size_t c = 0; c < r->description.comment_count; c++)
+		GW_TRY(scan_add_comment(r->cloud, r->description.comment[c], r->error));
 	GW_TRY(text_columns_narrow(r->cloud, &r->names, r->column, r->error));
 	for (size_t i = 0; i < r->description.scan_count; i++)
 		GW_TRY(take_scanner(r, &r->source[i]));
@@ -575,4 +579,5 @@ const format e57_format = {
 	.extensions = extensions,
 	.probe = probe,
 	.read = e57_read,
+	.write = e57_write,
 };

@@ -1,0 +1,16 @@
+/*
+ * e57_text.h - the XML text of an E57 file that is written.
+ */
+#ifndef E57_TEXT_H
+#define E57_TEXT_H
+
+#include "e57/e57_layout.h"
+
+/*
+ * Describes scans that are laid out.
+ *   text    on success the caller's, for free(); *length bytes
+ *   error   GW_ERROR_MEMORY
+ */
+gw_status e57_text_make(const e57_layout *layout, char **text, size_t *length, gw_error *error);
+
+#endif
