@@ -87,11 +87,12 @@ lamp='point at 0.1,0.2,0.3 intensity 1 name lamp'
 # Readers and what is computed without a device.
 for file in cave.{ply,e57,ptx,las,pcd,xyz,csv,cloud}; do
 	run "info ${file##*.}" info "$file"
+	run "measure ${file##*.}" info --stats "$file"
 done
 for file in ${files[@]+"${files[@]}"}; do
 	run "info ${file##*/}" info "$file"
 done
-for format in ply las pcd xyz csv cloud; do
+for format in ply las pcd e57 xyz csv cloud; do
 	run "convert $format" convert cave.ply out.$format -f
 done
 run places info cave.ptx --places

@@ -125,17 +125,19 @@ static void write_manual_lights(FILE *out)
 /* Which options most people need. */
 static void write_manual_common(verb v, FILE *out)
 {
-	const char *before = "Most people need\n";
+	size_t left = 0;
+	for (const option *o = options; o->name; o++)
+		left += (o->common & 1u << v) != 0;
+	if (left == 0)
+		return;
+	fputs("Most people need\n", out);
 	for (const option *o = options; o->name; o++) {
 		if (!(o->common & 1u << v))
 			continue;
-		fprintf(out, "%s.B ", before);
-		write_roff(out, "--");
+		fputs(".BR \\-\\-", out);
 		write_roff(out, o->name);
-		before = "\n";
+		fputs(--left > 0 ? " ,\n" : "\nalone.\n", out);
 	}
-	if (*before == '\n')
-		fputs("\nalone.\n", out);
 }
 
 static void write_manual_verb(verb v, FILE *out)

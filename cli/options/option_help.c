@@ -186,7 +186,11 @@ void option_text_help(verb v, bool all, FILE *out)
 	write_options(out, v, all);
 	if (v == VERB_BAKE && all)
 		write_lights(out);
-	if (!all && count_options(v) > FEW_OPTIONS)
+	size_t count = count_options(v);
+	if (!all && count > FEW_OPTIONS)
 		fprintf(out, "\nAll %zu options: glowworm %s --help all. All about it: man glowworm-%s\n",
-				count_options(v), verb_name(v), verb_name(v));
+				count, verb_name(v), verb_name(v));
+	else if (!all)
+		fprintf(out, "\nMore about each: glowworm %s --help all, man glowworm-%s\n", verb_name(v),
+				verb_name(v));
 }
