@@ -418,6 +418,22 @@ gw_status output_file_write(output_file *out, const void *bytes, size_t length, 
 	return latched(out, error);
 }
 
+gw_status output_file_patch(output_file *out, uint64_t offset, const void *bytes, size_t length,
+							gw_error *error)
+{
+	const uint8_t *from = bytes;
+	output_file_flush(out, NULL);
+	for (size_t done = 0; done < length && out->failure.status == GW_OK;) {
+		ssize_t written =
+			pwrite(out->descriptor, from + done, length - done, (off_t)(offset + done));
+		if (written < 0)
+			latch(out, errno);
+		else
+			done += (size_t)written;
+	}
+	return latched(out, error);
+}
+
 gw_status output_file_print(output_file *out, gw_error *error, const char *format, ...)
 {
 	char line[1024], *text = line;

@@ -80,6 +80,11 @@ gw_status output_file_check_room(const char *path, uint64_t bytes, gw_error *err
 /* Appends bytes. FILE_ERROR_IO when they could not be written, now or earlier. */
 gw_status output_file_write(output_file *out, const void *bytes, size_t length, gw_error *error);
 
+/* Writes over bytes that were written before, of an output that has a temporary file. Bytes go on
+ * being appended. */
+gw_status output_file_patch(output_file *out, uint64_t offset, const void *bytes, size_t length,
+							gw_error *error);
+
 /* Appends text, formatted as printf does; numbers with a decimal point follow the locale, so print
  * those with number_text.h. */
 gw_status output_file_print(output_file *out, gw_error *error, const char *format, ...)

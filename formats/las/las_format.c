@@ -47,7 +47,7 @@ const format las_format = {
 
 const format laz_format = {
 	.name = "laz",
-	.description = "compressed LAS, COPC; read only",
+	.description = "compressed LAS",
 	.extensions = laz_extensions,
 	.probe = probe_laz,
 	.read = las_read,
@@ -55,4 +55,7 @@ const format laz_format = {
 	.say_bounds = las_say_bounds,
 	.read_rows = las_read_rows,
 	.settle_rows = las_settle_rows,
+	.accept = las_accept,
+	.row_bytes = 1, /* real points take more */
+	.write = laz_write,
 };

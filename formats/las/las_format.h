@@ -2,7 +2,7 @@
  * las_format.h - LAS and LAZ, the ASPRS formats of laser scans.
  *
  * Read: versions 1.0 to 1.5, point formats 0 to 10, extra bytes of all types; LAZ of every
- * compressor that LASzip has (laz_reader.h). Written: LAS 1.4.
+ * compressor that LASzip has (laz_reader.h). Written: LAS 1.4, also as LAZ.
  *
  * Every field is a column under its name in lower case (intensity, return_number, gps_time, nir,
  * wave_offset ...), extra bytes under their own. Flags and colours that are 0 at all points are no
@@ -38,5 +38,10 @@ gw_status las_settle_rows(input_file *in, const bool *zero, scan *kept, gw_error
  * numbers and more columns than a record holds.
  */
 gw_status las_write(output_file *out, const scan *cloud, gw_error *error);
+
+/* The same points, compressed by chunks on several threads (laz_chunks.h). Memory holds some chunks
+ * for each of them. The file is the same for any number of threads; one in a pipe says at its end
+ * where its table of chunks is. */
+gw_status laz_write(output_file *out, const scan *cloud, gw_error *error);
 
 #endif

@@ -196,7 +196,7 @@ static gw_status take_vlr(parser *p, const uint8_t *record, las_vlr body)
 	unsigned id = load_16(record + 18);
 	if (strncmp(user, LAS_USER_CRS, 16) == 0)
 		return take_crs(p, id, body);
-	if (strncmp(user, "laszip encoded", 16) == 0 && id == 22204)
+	if (strncmp(user, LAS_USER_LASZIP, 16) == 0 && id == LAS_VLR_LASZIP)
 		p->header->laszip = body;
 	if (strncmp(user, LAS_USER_SPEC, 16) == 0 && id == LAS_VLR_EXTRA)
 		p->header->extra = body;

@@ -19,6 +19,8 @@
 
 #define LAS_USER_SPEC "LASF_Spec"
 #define LAS_USER_CRS "LASF_Projection"
+#define LAS_USER_LASZIP "laszip encoded"
+#define LAS_USER_COPC "copc"
 
 enum las_vlr_id {
 	LAS_VLR_TEXT = 3,        /* of LASF_Spec: text area description */
@@ -28,6 +30,9 @@ enum las_vlr_id {
 	LAS_VLR_GEO_KEYS = 34735,
 	LAS_VLR_GEO_DOUBLES = 34736,
 	LAS_VLR_GEO_TEXT = 34737,
+	LAS_VLR_LASZIP = 22204,   /* of LAS_USER_LASZIP */
+	LAS_VLR_COPC_INFO = 1,    /* of LAS_USER_COPC */
+	LAS_VLR_COPC_TREE = 1000, /* of LAS_USER_COPC, extended */
 };
 
 /* Adds a comment that begins with SCAN_NOTE. */

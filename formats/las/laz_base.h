@@ -21,8 +21,9 @@ typedef struct laz_base {
 	uint32_t turn;
 } laz_base;
 
-/* From the point before to the next one. point: LAZ_POINT10_BYTES as LAS has them */
-void laz_base_next(laz_base *base, laz_decoder *d, uint8_t *point);
-void laz_base_next_1(laz_base *base, laz_decoder *d, uint8_t *point); /* of version 1 */
+/* From the point before to the next one. point: LAZ_POINT10_BYTES as LAS has them
+ *   next   what it is to be, when encoding; version 1 is only decoded */
+void laz_base_next(laz_base *base, laz_coder *c, uint8_t *point, const uint8_t *next);
+void laz_base_next_1(laz_base *base, laz_coder *c, uint8_t *point);
 
 #endif

@@ -22,16 +22,22 @@ typedef enum laz_layer {
 	LAZ_LAYER_COUNT
 } laz_layer;
 
-/* The last point of a scanner channel, unpacked, and the statistics of what followed. */
-typedef struct laz_channel {
-	bool started;
+/* A point, unpacked. */
+typedef struct laz_point {
 	int32_t x, y, z;
 	uint16_t intensity, source;
 	uint8_t number, returns; /* return number, number of returns */
 	uint8_t flags;           /* classification flags, bit 4 scan direction, bit 5 edge */
-	uint8_t classification, user;
+	uint8_t classification, user, channel;
 	int16_t angle;
-	bool new_time; /* the last point had another time than the one before it */
+	uint64_t time; /* bits of a double */
+} laz_point;
+
+/* The last point of a scanner channel and the statistics of what followed. */
+typedef struct laz_channel {
+	bool started;
+	laz_point last;
+	bool new_time; /* it had another time than the one before it */
 
 	laz_model *changed[8], *other_channel, *returns_after[16], *number_after[16], *number_step;
 	laz_median x_median[12], y_median[12];
@@ -48,13 +54,13 @@ typedef struct laz_channel {
 void laz_channel_start(laz_channel *channel, const uint8_t *point);
 
 /*
- * Decodes a point into the channel that it belongs to and writes it.
+ * Codes a point of the channel that it belongs to.
  *   channel   all four
  *   current   number of the channel of the point before; becomes that of this one
- *   layer     decoders; a layer without bytes has data NULL, and its values stay as they are
- *   point     receives LAZ_POINT14_BYTES
+ *   layer     coders; the values of one without values stay as they are
+ *   point     LAZ_POINT14_BYTES: what it is to be when encoding, and receives what it is
  */
-void laz_channel_next(laz_channel channel[LAZ_CHANNELS], uint32_t *current, laz_decoder *layer,
+void laz_channel_next(laz_channel channel[LAZ_CHANNELS], uint32_t *current, laz_coder *layer,
 					  uint8_t *point);
 
 #endif

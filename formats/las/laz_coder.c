@@ -104,10 +104,11 @@ static void update_model(laz_model *m)
 	m->left = m->cycle;
 }
 
-static laz_model *make_model(laz_pool *pool, uint32_t symbols)
+/* searched: symbols are looked for, which a table makes quick. */
+static laz_model *make_model(laz_pool *pool, uint32_t symbols, bool searched)
 {
 	uint32_t table_bits = 0;
-	if (symbols > 16)
+	if (searched && symbols > 16)
 		for (table_bits = 3; symbols > (uint32_t)4 << table_bits;)
 			table_bits++;
 	size_t table = table_bits ? ((size_t)1 << table_bits) + 1 : 0;
@@ -140,30 +141,91 @@ static void update_bit_model(laz_bit_model *m)
 	m->left = m->cycle;
 }
 
-/* --------------------------------------------------------------------------------- decoding */
+/* ------------------------------------------------------------------------------ the interval */
 
-static uint32_t next_byte(laz_decoder *d)
+static uint32_t next_byte(laz_coder *c)
 {
-	if (d->at < d->end)
-		return *d->at++;
-	d->over++;
+	if (c->at < c->end)
+		return *c->at++;
+	c->over++;
 	return 0;
 }
 
-void laz_decoder_start(laz_decoder *d, const uint8_t *data, size_t length, laz_pool *pool)
+void laz_coder_decode(laz_coder *c, const uint8_t *data, size_t length, laz_pool *pool)
 {
-	*d = (laz_decoder){ .at = data, .end = data + length, .length = UINT32_MAX, .pool = pool };
+	*c = (laz_coder){ .at = data, .end = data + length, .length = UINT32_MAX, .pool = pool };
 	for (int b = 0; b < 4; b++)
-		d->value = d->value << 8 | next_byte(d);
+		c->value = c->value << 8 | next_byte(c);
 }
 
-static void widen(laz_decoder *d)
+void laz_coder_encode(laz_coder *c, laz_pool *pool)
 {
-	while (d->length < INTERVAL_MIN) {
-		d->value = d->value << 8 | next_byte(d);
-		d->length <<= 8;
+	*c = (laz_coder){
+		.encodes = true, .length = UINT32_MAX, .bytes = c->bytes, .room = c->room, .pool = pool
+	};
+}
+
+void laz_coder_clear(laz_coder *c)
+{
+	free(c->bytes);
+	*c = (laz_coder){ 0 };
+}
+
+static void put_byte(laz_coder *c, uint8_t byte)
+{
+	if (c->used == c->room) {
+		size_t room = c->room ? c->room + c->room / 2 : 1024;
+		uint8_t *grown = realloc(c->bytes, room);
+		if (!grown) {
+			c->pool->failed = true;
+			return;
+		}
+		c->bytes = grown;
+		c->room = room;
+	}
+	c->bytes[c->used++] = byte;
+}
+
+/* Where the base overflows, the bytes that are out count one more. */
+static void raise_base(laz_coder *c, uint32_t offset)
+{
+	c->value += offset;
+	if (c->value < offset)
+		for (size_t at = c->used; at > 0 && ++c->bytes[at - 1] == 0;)
+			at--;
+}
+
+/* From the interval to a part of it. */
+static inline void narrow(laz_coder *c, uint32_t low, uint32_t length)
+{
+	c->length = length;
+	if (!c->encodes) {
+		c->value -= low;
+		for (; c->length < INTERVAL_MIN; c->length <<= 8)
+			c->value = c->value << 8 | next_byte(c);
+		return;
+	}
+	raise_base(c, low);
+	for (; c->length < INTERVAL_MIN; c->length <<= 8) {
+		put_byte(c, (uint8_t)(c->value >> 24));
+		c->value <<= 8;
 	}
 }
+
+/* One or two bytes say where in the interval; the others that a decoder takes in are zeros, so that
+ * it takes none of what follows. */
+void laz_coder_finish(laz_coder *c)
+{
+	bool wide = c->length > 2 * INTERVAL_MIN;
+	if (wide)
+		narrow(c, INTERVAL_MIN, INTERVAL_MIN >> 1);
+	else
+		narrow(c, INTERVAL_MIN >> 1, INTERVAL_MIN >> 9);
+	for (int b = 0; b < (wide ? 3 : 2); b++)
+		put_byte(c, 0);
+}
+
+/* --------------------------------------------------------------------------- symbols and bits */
 
 /* The last symbol that begins at or before `target`. */
 static uint32_t find_symbol(const laz_model *m, uint32_t target)
@@ -184,90 +246,100 @@ static uint32_t find_symbol(const laz_model *m, uint32_t target)
 	return low;
 }
 
-uint32_t laz_symbol(laz_decoder *d, laz_model **model, uint32_t symbols)
+uint32_t laz_symbol(laz_coder *c, laz_model **model, uint32_t symbols, uint32_t symbol)
 {
 	laz_model *m = *model;
-	if (!m && !(m = *model = make_model(d->pool, symbols)))
+	if (!m && !(m = *model = make_model(c->pool, symbols, !c->encodes)))
 		return 0;
-	uint32_t whole = d->length, step = d->length >> MODEL_BITS;
-	uint32_t target = d->value / step;
-	if (target >= (uint32_t)1 << MODEL_BITS)
-		target = ((uint32_t)1 << MODEL_BITS) - 1;
-	uint32_t symbol = find_symbol(m, target);
+	uint32_t whole = c->length, step = c->length >> MODEL_BITS;
+	if (!c->encodes) {
+		uint32_t target = c->value / step, most = ((uint32_t)1 << MODEL_BITS) - 1;
+		symbol = find_symbol(m, target < most ? target : most);
+	}
+	assert(symbol < symbols);
 	uint32_t low = m->start[symbol] * step;
 	uint32_t high = symbol + 1 < m->symbols ? m->start[symbol + 1] * step : whole;
-	d->value -= low;
-	d->length = high - low;
-	widen(d);
+	narrow(c, low, high - low);
 	m->count[symbol]++;
 	if (--m->left == 0)
 		update_model(m);
 	return symbol;
 }
 
-uint32_t laz_bit(laz_decoder *d, laz_bit_model *m)
+uint32_t laz_bit(laz_coder *c, laz_bit_model *m, uint32_t bit)
 {
 	if (m->total == 0)
 		*m = (laz_bit_model){ 1, 2, 1 << (BIT_MODEL_BITS - 1), 4, 4 };
-	uint32_t middle = m->probability * (d->length >> BIT_MODEL_BITS);
-	bool one = d->value >= middle;
-	if (one) {
-		d->value -= middle;
-		d->length -= middle;
-	} else {
-		d->length = middle;
-		m->zeros++;
-	}
-	widen(d);
+	uint32_t middle = m->probability * (c->length >> BIT_MODEL_BITS);
+	bool one = c->encodes ? bit : c->value >= middle;
+	narrow(c, one ? middle : 0, one ? c->length - middle : middle);
+	m->zeros += !one;
 	if (--m->left == 0)
 		update_bit_model(m);
 	return one;
 }
 
-uint32_t laz_bits(laz_decoder *d, uint32_t count)
+uint32_t laz_bits(laz_coder *c, uint32_t count, uint32_t bits)
 {
 	/* More would leave too short an interval: the low half comes first. */
 	if (count > 19) {
-		uint32_t low = laz_bits(d, 16);
-		return laz_bits(d, count - 16) << 16 | low;
+		uint32_t low = laz_bits(c, 16, bits & 0xffff);
+		return laz_bits(c, count - 16, bits >> 16) << 16 | low;
 	}
-	d->length >>= count;
-	uint32_t value = d->value / d->length;
-	d->value -= value * d->length;
-	widen(d);
-	d->failed = d->failed || value >> count != 0;
+	uint32_t step = c->length >> count;
+	uint32_t value = c->encodes ? bits : c->value / step;
+	narrow(c, value * step, step);
+	c->failed = c->failed || value >> count != 0;
 	return value & ((1u << count) - 1);
 }
 
-uint64_t laz_bits_64(laz_decoder *d)
+uint64_t laz_bits_64(laz_coder *c, uint64_t bits)
 {
-	uint64_t low = laz_bits(d, 32);
-	return (uint64_t)laz_bits(d, 32) << 32 | low;
+	uint64_t low = laz_bits(c, 32, (uint32_t)bits);
+	return (uint64_t)laz_bits(c, 32, (uint32_t)(bits >> 32)) << 32 | low;
 }
 
 /* --------------------------------------------------------------------------------- integers */
 
 /* A corrector of size k > 0 is in [1 - 2^k, -2^(k-1)] or [2^(k-1) + 1, 2^k], numbered from below;
  * one of size 0 is 0 or 1. */
-static uint32_t read_corrector(laz_decoder *d, laz_integer *integer, uint32_t size)
+static uint32_t size_of(int32_t corrector)
+{
+	uint32_t beyond = corrector > 0 ? (uint32_t)corrector - 1 : 0u - (uint32_t)corrector;
+	return beyond ? 32 - (uint32_t)__builtin_clz(beyond) : 0;
+}
+
+static uint32_t code_corrector(laz_coder *c, laz_integer *integer, uint32_t size, int32_t corrector)
 {
 	if (size == 0)
-		return laz_bit(d, &integer->small);
+		return laz_bit(c, &integer->small, (uint32_t)corrector);
 	if (size >= 32)
 		return 0x80000000u;
-	uint32_t high = size < 8 ? size : 8;
-	uint32_t number = laz_symbol(d, &integer->high[size], 1u << high);
-	if (size > high)
-		number = number << (size - high) | laz_bits(d, size - high);
+	uint32_t number = (uint32_t)corrector + (corrector > 0 ? 0 : 1u << size) - 1;
+	uint32_t high = size < 8 ? size : 8, low = size - high;
+	uint32_t highest = laz_symbol(c, &integer->high[size], 1u << high, number >> low);
+	number = low ? highest << low | laz_bits(c, low, number & ((1u << low) - 1)) : highest;
 	return number >= 1u << (size - 1) ? number + 1 : number - (1u << size) + 1;
 }
 
-int32_t laz_near(laz_decoder *d, laz_integer *integer, laz_model **context, uint32_t width,
-				 int32_t prediction)
+/* The difference of two values that go round at 2^width, the nearer way. */
+static int32_t nearer_way(uint32_t difference, uint32_t width)
+{
+	uint32_t range = 1u << (width & 31);
+	if (width < 32)
+		difference &= range - 1;
+	return (int32_t)(width < 32 && difference >= range / 2 ? difference - range : difference);
+}
+
+int32_t laz_near(laz_coder *c, laz_integer *integer, laz_model **context, uint32_t width,
+				 int32_t prediction, int32_t value)
 {
 	assert(width <= 32);
-	integer->size = laz_symbol(d, context, width + 1);
-	uint32_t sum = (uint32_t)prediction + read_corrector(d, integer, integer->size);
+	int32_t corrector = 0;
+	if (c->encodes)
+		corrector = nearer_way((uint32_t)value - (uint32_t)prediction, width);
+	integer->size = laz_symbol(c, context, width + 1, size_of(corrector));
+	uint32_t sum = (uint32_t)prediction + code_corrector(c, integer, integer->size, corrector);
 	if (width == 32)
 		return (int32_t)sum;
 	/* Values go round at 2^width. */

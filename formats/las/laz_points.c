@@ -3,6 +3,7 @@
 #include "las/laz_channel.h"
 #include "files/little_endian.h"
 
+#include <assert.h>
 #include <stdlib.h>
 
 /* Statistics of what follows the base of a point; layered streams have one for each channel. */
@@ -20,11 +21,13 @@ typedef struct others {
 struct laz_points {
 	const laz_items *items;
 	laz_pool pool;
-	laz_decoder *decoder; /* one, or one a layer */
+	laz_coder *coder; /* one, or one a layer */
 	size_t layers;
 	size_t extra;    /* bytes in the item of extra bytes */
 	uint8_t *record; /* the last point */
-	bool first;      /* it has not been handed out */
+	bool first;      /* decoding: it has not been handed out */
+	uint64_t count;  /* encoding: points so far */
+	uint8_t *start;  /* encoding: the first point */
 	laz_base base;
 	laz_channel channel[LAZ_CHANNELS];
 	uint32_t current; /* channel of the last point */
@@ -68,12 +71,15 @@ laz_points *laz_points_create(const laz_items *items)
 	for (size_t i = 0; i < items->count; i++)
 		if (items->item[i].type == LAZ_BYTE || items->item[i].type == LAZ_BYTE14)
 			p->extra = items->item[i].size;
-	p->decoder = calloc(p->layers, sizeof *p->decoder);
-	p->record = calloc(1, items->record);
+	p->coder = calloc(p->layers, sizeof *p->coder);
+	p->record = calloc(2, items->record);
 	p->last = calloc(LAZ_CHANNELS, items->record);
 	p->bytes = calloc(LAZ_CHANNELS * (p->extra + 1), sizeof *p->bytes);
-	if (!p->decoder || !p->record || !p->last || !p->bytes)
+	if (!p->coder || !p->record || !p->last || !p->bytes) {
 		laz_points_destroy(&p);
+		return NULL;
+	}
+	p->start = p->record + items->record;
 	return p;
 }
 
@@ -83,7 +89,9 @@ void laz_points_destroy(laz_points **points)
 	if (!p)
 		return;
 	laz_pool_clear(&p->pool);
-	free(p->decoder);
+	for (size_t l = 0; p->coder && l < p->layers; l++)
+		laz_coder_clear(&p->coder[l]);
+	free(p->coder);
 	free(p->record);
 	free(p->last);
 	free(p->bytes);
@@ -95,7 +103,7 @@ void laz_points_destroy(laz_points **points)
 static void forget(laz_points *p)
 {
 	laz_pool_reset(&p->pool);
-	memset(p->decoder, 0, p->layers * sizeof *p->decoder);
+	p->pool.failed = false;
 	memset(p->bytes, 0, LAZ_CHANNELS * (p->extra + 1) * sizeof *p->bytes);
 	memset(&p->base, 0, sizeof p->base);
 	memset(p->channel, 0, sizeof p->channel);
@@ -127,88 +135,134 @@ static bool start_layers(laz_points *p, const uint8_t *data, size_t length, uint
 		if (size > (size_t)(end - at))
 			return false;
 		if (size > 0 || l == LAZ_LAYER_PLACE)
-			laz_decoder_start(&p->decoder[l], at, size, &p->pool);
+			laz_coder_decode(&p->coder[l], at, size, &p->pool);
 		at += size;
 	}
-	p->current = p->record[15] >> 4 & 3;
-	laz_channel_start(&p->channel[p->current], p->record);
+	return true;
+}
+
+/* Takes the first point, which is not coded, as the last one. */
+static void take_first(laz_points *p, const uint8_t *record)
+{
+	const laz_items *items = p->items;
+	memcpy(p->record, record, items->record);
+	for (size_t i = 0; i < items->count; i++)
+		if (items->item[i].type == LAZ_GPSTIME11)
+			p->others[0].time.time[0] = load_64(record + items->item[i].place);
+	if (!items->layered)
+		return;
+	p->current = record[15] >> 4 & 3;
+	laz_channel_start(&p->channel[p->current], record);
 	p->others_current = p->current;
 	others *o = &p->others[p->current];
 	o->started = true;
-	memcpy(o->last, p->record, p->items->record);
-	return true;
+	memcpy(o->last, record, items->record);
 }
 
 bool laz_points_start(laz_points *p, const uint8_t *data, size_t length, uint64_t count)
 {
-	const laz_items *items = p->items;
+	size_t record = p->items->record;
 	forget(p);
-	memcpy(p->record, data, items->record);
+	for (size_t l = 0; l < p->layers; l++)
+		laz_coder_clear(&p->coder[l]);
+	take_first(p, data);
 	p->first = true;
-	if (items->layered)
+	if (p->items->layered)
 		return start_layers(p, data, length, count);
-	for (size_t i = 0; i < items->count; i++)
-		if (items->item[i].type == LAZ_GPSTIME11)
-			p->others[0].time.time[0] = load_64(p->record + items->item[i].place);
-	laz_decoder_start(&p->decoder[0], data + items->record, length - items->record, &p->pool);
+	laz_coder_decode(&p->coder[0], data + record, length - record, &p->pool);
 	if (count == 1)
-		p->decoder[0].over = 0; /* nothing has to follow a single point */
+		p->coder[0].over = 0; /* nothing has to follow a single point */
 	return true;
 }
 
 /* ------------------------------------------------------------------------------- pointwise */
 
-static void next_item(laz_points *p, const laz_item *item)
+static void next_old_item(others *o, const laz_item *item, laz_coder *c, uint8_t *place)
 {
-	laz_decoder *d = &p->decoder[0];
-	others *o = &p->others[0];
-	uint8_t *place = p->record + item->place;
-	bool old = item->version == 1;
 	switch (item->type) {
-	case LAZ_POINT10:
-		(old ? laz_base_next_1 : laz_base_next)(&p->base, d, place);
-		break;
 	case LAZ_GPSTIME11:
-		if (old)
-			laz_time_next_1(&o->time, d, place);
-		else
-			laz_time_next(&o->time, d, false, place);
+		laz_time_next_1(&o->time, c, place);
 		break;
 	case LAZ_RGB12:
-		(old ? laz_color_next_1 : laz_color_next)(&o->color, d, place);
-		break;
-	case LAZ_WAVEPACKET13:
-		laz_wave_next(&o->wave, d, place);
+		laz_color_next_1(&o->color, c, place);
 		break;
 	default:
 		for (size_t i = 0; i < item->size; i++)
-			place[i] = (uint8_t)(old ? laz_near(d, &o->byte, &o->bytes[i], 8, place[i])
-									 : place[i] + (int32_t)laz_symbol(d, &o->bytes[i], 256));
+			place[i] = (uint8_t)laz_near(c, &o->byte, &o->bytes[i], 8, place[i], 0);
 		break;
 	}
 }
 
+static void next_new_item(others *o, const laz_item *item, laz_coder *c, uint8_t *place,
+						  const uint8_t *next)
+{
+	switch (item->type) {
+	case LAZ_GPSTIME11:
+		laz_time_next(&o->time, c, false, place, next);
+		break;
+	case LAZ_RGB12:
+		laz_color_next(&o->color, c, place, next);
+		break;
+	default:
+		for (size_t i = 0; i < item->size; i++)
+			place[i] = laz_byte_near(c, &o->bytes[i], place[i], next[i]);
+		break;
+	}
+}
+
+/* record: the next point; what it is to be when encoding */
+static void next_pointwise(laz_points *p, uint8_t *record)
+{
+	laz_coder *c = &p->coder[0];
+	others *o = &p->others[0];
+	for (size_t i = 0; i < p->items->count; i++) {
+		const laz_item *item = &p->items->item[i];
+		uint8_t *place = p->record + item->place;
+		const uint8_t *next = c->encodes ? record + item->place : place;
+		bool old = item->version == 1;
+		if (item->type == LAZ_POINT10 && old)
+			laz_base_next_1(&p->base, c, place);
+		else if (item->type == LAZ_POINT10)
+			laz_base_next(&p->base, c, place, next);
+		else if (item->type == LAZ_WAVEPACKET13)
+			laz_wave_next(&o->wave, c, place, next);
+		else if (old)
+			next_old_item(o, item, c, place);
+		else
+			next_new_item(o, item, c, place, next);
+	}
+	memcpy(record, p->record, p->items->record);
+}
+
 /* --------------------------------------------------------------------------------- layered */
 
-/* layer: the first of the item's; those without bytes leave the values as they are. */
-static void next_layered_item(const laz_item *item, others *o, laz_decoder *layer, uint8_t *place)
+/* Notes whether some bytes are not as before. Returns whether their layer has values. */
+static bool has_values(laz_coder *layer, const uint8_t *place, const uint8_t *next, size_t size)
+{
+	layer->changed = layer->changed || memcmp(place, next, size) != 0;
+	return laz_coder_has_values(layer);
+}
+
+/* layer: the first of the item's; those without values leave them as they are. */
+static void next_layered_item(const laz_item *item, others *o, laz_coder *layer, uint8_t *place,
+							  const uint8_t *next)
 {
 	switch (item->type) {
 	case LAZ_RGB14:
 	case LAZ_RGBNIR14:
-		if (layer[0].at)
-			laz_color_next(&o->color, &layer[0], place);
-		if (item->type == LAZ_RGBNIR14 && layer[1].at)
-			laz_infrared_next(&o->infrared, &layer[1], place + 6);
+		if (has_values(&layer[0], place, next, 6))
+			laz_color_next(&o->color, &layer[0], place, next);
+		if (item->type == LAZ_RGBNIR14 && has_values(&layer[1], place + 6, next + 6, 2))
+			laz_infrared_next(&o->infrared, &layer[1], place + 6, next + 6);
 		break;
 	case LAZ_WAVEPACKET14:
-		if (layer[0].at)
-			laz_wave_next(&o->wave, &layer[0], place);
+		if (has_values(&layer[0], place, next, item->size))
+			laz_wave_next(&o->wave, &layer[0], place, next);
 		break;
 	default:
 		for (size_t i = 0; i < item->size; i++)
-			if (layer[i].at)
-				place[i] = (uint8_t)(place[i] + laz_symbol(&layer[i], &o->bytes[i], 256));
+			if (has_values(&layer[i], &place[i], &next[i], 1))
+				place[i] = laz_byte_near(&layer[i], &o->bytes[i], place[i], next[i]);
 		break;
 	}
 }
@@ -235,30 +289,39 @@ static others *choose_others(laz_points *p, bool same_channel, others **last)
 	return to;
 }
 
-static void next_layered(laz_points *p)
+static void next_layered(laz_points *p, uint8_t *record)
 {
 	const laz_items *items = p->items;
 	uint32_t before = p->current;
 	others *last;
-	laz_channel_next(p->channel, &p->current, p->decoder, p->record);
+	laz_channel_next(p->channel, &p->current, p->coder, record);
 	others *o = choose_others(p, p->current == before, &last);
-	laz_decoder *layer = p->decoder + LAZ_LAYER_COUNT;
+	laz_coder *layer = p->coder + LAZ_LAYER_COUNT;
 	for (size_t i = 1; i < items->count; i++) {
 		const laz_item *item = &items->item[i];
-		next_layered_item(item, o, layer, last->last + item->place);
-		memcpy(p->record + item->place, last->last + item->place, item->size);
+		uint8_t *place = last->last + item->place;
+		next_layered_item(item, o, layer, place, layer->encodes ? record + item->place : place);
+		memcpy(record + item->place, place, item->size);
 		layer += layers_of(item);
 	}
 }
 
+/* record: what the point is to be when encoding; receives what it is. */
+static void next_point(laz_points *p, uint8_t *record)
+{
+	if (p->items->layered)
+		next_layered(p, record);
+	else
+		next_pointwise(p, record);
+}
+
 void laz_points_next(laz_points *p, uint8_t *record)
 {
-	if (!p->first && p->items->layered)
-		next_layered(p);
-	for (size_t i = 0; i < p->items->count && !p->first && !p->items->layered; i++)
-		next_item(p, &p->items->item[i]);
+	if (p->first)
+		memcpy(record, p->record, p->items->record);
+	else
+		next_point(p, record);
 	p->first = false;
-	memcpy(record, p->record, p->items->record);
 }
 
 laz_trouble laz_points_trouble(const laz_points *p)
@@ -267,9 +330,9 @@ laz_trouble laz_points_trouble(const laz_points *p)
 		return LAZ_NO_MEMORY;
 	laz_trouble trouble = LAZ_FINE;
 	for (size_t l = 0; l < p->layers; l++) {
-		if (p->decoder[l].over > 0)
+		if (p->coder[l].over > 0)
 			return LAZ_TOO_SHORT;
-		if (p->decoder[l].failed)
+		if (p->coder[l].failed)
 			trouble = LAZ_DAMAGED;
 	}
 	return trouble;
@@ -277,5 +340,57 @@ laz_trouble laz_points_trouble(const laz_points *p)
 
 size_t laz_points_left(const laz_points *p)
 {
-	return p->items->layered ? 0 : (size_t)(p->decoder[0].end - p->decoder[0].at);
+	return p->items->layered ? 0 : (size_t)(p->coder[0].end - p->coder[0].at);
+}
+
+/* -------------------------------------------------------------------------------- encoding */
+
+void laz_points_begin(laz_points *p)
+{
+	forget(p);
+	for (size_t l = 0; l < p->layers; l++)
+		laz_coder_encode(&p->coder[l], &p->pool);
+	p->count = 0;
+}
+
+void laz_points_add(laz_points *p, uint8_t *record)
+{
+	if (p->count++ == 0) {
+		memcpy(p->start, record, p->items->record);
+		take_first(p, record);
+	} else {
+		next_point(p, record);
+	}
+}
+
+size_t laz_points_end(laz_points *p)
+{
+	assert(p->count > 0);
+	size_t length = p->items->record + (p->items->layered ? 4 + 4 * p->layers : 0);
+	for (size_t l = 0; l < p->layers; l++) {
+		laz_coder *c = &p->coder[l];
+		/* Layers of values that never change are left out; coordinates are never. */
+		bool kept = !p->items->layered || c->changed || l <= LAZ_LAYER_Z;
+		laz_coder_finish(c);
+		c->used = kept ? c->used : 0;
+		length += c->used;
+	}
+	return p->pool.failed ? 0 : length;
+}
+
+void laz_points_put(const laz_points *p, uint8_t *bytes)
+{
+	size_t record = p->items->record;
+	memcpy(bytes, p->start, record);
+	uint8_t *sizes = bytes + record + 4, *at = bytes + record;
+	if (p->items->layered) {
+		store_32(sizes - 4, (uint32_t)p->count);
+		at = sizes + 4 * p->layers;
+	}
+	for (size_t l = 0; l < p->layers; l++) {
+		if (p->items->layered)
+			store_32(sizes + 4 * l, (uint32_t)p->coder[l].used);
+		memcpy(at, p->coder[l].bytes, p->coder[l].used);
+		at += p->coder[l].used;
+	}
 }

@@ -1,48 +1,18 @@
 /*
- * laz_points.h - the points of one LAZ chunk, one after the other.
+ * laz_points.h - the points of one LAZ chunk, one after the other, out of it or into it.
  *
  * A point is made of items, which are coded apart: the base of old or new point formats, time,
- * colour, waveform, extra bytes. Pointwise streams have one decoder for all items of each point in
- * turn; layered ones have a decoder for every kind of value, and separate statistics for each of
+ * colour, waveform, extra bytes. Pointwise streams have one coder for all items of each point in
+ * turn; layered ones have a coder for every kind of value, and separate statistics for each of
  * four scanner channels.
  */
 #ifndef LAZ_POINTS_H
 #define LAZ_POINTS_H
 
+#include "las/laz_items.h"
 #include "las/laz_values.h"
 
-/* Numbers as in the LASzip VLR. */
-typedef enum laz_item_type {
-	LAZ_BYTE = 0,
-	LAZ_POINT10 = 6,
-	LAZ_GPSTIME11,
-	LAZ_RGB12,
-	LAZ_WAVEPACKET13,
-	LAZ_POINT14,
-	LAZ_RGB14,
-	LAZ_RGBNIR14,
-	LAZ_WAVEPACKET14,
-	LAZ_BYTE14,
-} laz_item_type;
-
-#define LAZ_ITEMS_MAX 5 /* base, time, colour, waveform, extra bytes */
-#define LAZ_EXTRA_MAX 4096
-
-typedef struct laz_item {
-	laz_item_type type;
-	size_t size; /* bytes */
-	unsigned version;
-	size_t place; /* in the record */
-} laz_item;
-
-typedef struct laz_items {
-	laz_item item[LAZ_ITEMS_MAX];
-	size_t count;
-	size_t record; /* bytes of all together */
-	bool layered;
-} laz_items;
-
-/* Memory for decoding one chunk at a time. */
+/* Memory for one chunk at a time. */
 typedef struct laz_points laz_points;
 
 /* NULL when memory is short. items must live as long. */
@@ -61,7 +31,19 @@ bool laz_points_start(laz_points *points, const uint8_t *data, size_t length, ui
 /* Writes the next point to `record`. */
 void laz_points_next(laz_points *points, uint8_t *record);
 
-/* What went wrong so far. */
+/* Starts on a chunk to be encoded, whose items are of version 2, or 3 and 4 in layers. */
+void laz_points_begin(laz_points *points);
+
+/* Appends a point to it, which stays as it is. */
+void laz_points_add(laz_points *points, uint8_t *record);
+
+/* Ends a chunk of at least one point. Returns how many bytes it has; 0 when memory was short. */
+size_t laz_points_end(laz_points *points);
+
+/* Writes those bytes. */
+void laz_points_put(const laz_points *points, uint8_t *bytes);
+
+/* What went wrong so far with a chunk that is decoded. */
 typedef enum laz_trouble { LAZ_FINE, LAZ_DAMAGED, LAZ_TOO_SHORT, LAZ_NO_MEMORY } laz_trouble;
 laz_trouble laz_points_trouble(const laz_points *points);
 

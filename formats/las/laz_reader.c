@@ -9,17 +9,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define VLR_BYTES 34 /* of the LASzip VLR before its items */
-#define VLR_ITEM_BYTES 6
-#define VARIABLE UINT32_MAX /* chunk size: each chunk has its own count */
-
 /* Points that are decoded before they are handed on, and between looks for trouble. */
 #define BLOCK_POINTS 256
 
 /* Points a byte that are believed without a trial: real data has less than one. */
 #define BELIEVED 16
-
-typedef enum compressor { POINTWISE = 1, CHUNKED, LAYERED } compressor;
 
 typedef struct chunk {
 	uint64_t first, count; /* points */
@@ -29,7 +23,7 @@ typedef struct chunk {
 struct laz_stream {
 	const input_file *in;
 	const las_header *header;
-	compressor compressor;
+	laz_compressor compressor;
 	laz_items items;
 	uint32_t chunk_size;
 	chunk *chunk; /* owned */
@@ -54,35 +48,6 @@ static const char *item_name(unsigned type)
 	return type < sizeof name / sizeof *name ? name[type] : "unknown";
 }
 
-static void expect(laz_items *items, laz_item_type type, size_t size)
-{
-	items->item[items->count++] = (laz_item){ type, size, 0, items->record };
-	items->record += size;
-}
-
-/* The items that points of a format have; no other order is in use. */
-static laz_items expected_items(const las_header *h)
-{
-	laz_items items = { .layered = h->format >= 6 };
-	expect(&items, items.layered ? LAZ_POINT14 : LAZ_POINT10, items.layered ? 30 : 20);
-	unsigned f = h->format;
-	if (f == 1 || f == 3 || f == 4 || f == 5)
-		expect(&items, LAZ_GPSTIME11, 8);
-	if (f == 2 || f == 3 || f == 5)
-		expect(&items, LAZ_RGB12, 6);
-	if (f == 7)
-		expect(&items, LAZ_RGB14, 6);
-	if (f == 8 || f == 10)
-		expect(&items, LAZ_RGBNIR14, 8);
-	if (f == 4 || f == 5)
-		expect(&items, LAZ_WAVEPACKET13, 29);
-	if (f == 9 || f == 10)
-		expect(&items, LAZ_WAVEPACKET14, 29);
-	if (h->record > items.record)
-		expect(&items, items.layered ? LAZ_BYTE14 : LAZ_BYTE, h->record - items.record);
-	return items;
-}
-
 static bool known_version(const laz_item *item, unsigned version)
 {
 	if (item->type == LAZ_WAVEPACKET13)
@@ -96,15 +61,15 @@ static gw_status take_items(laz_stream *s, gw_error *error)
 {
 	const las_vlr *vlr = &s->header->laszip;
 	size_t count = load_16(vlr->data + 32);
-	s->items = expected_items(s->header);
-	if (count != s->items.count || vlr->length < VLR_BYTES + count * VLR_ITEM_BYTES)
+	s->items = laz_items_make(s->header->format, s->header->record);
+	if (count != s->items.count || vlr->length < LAZ_VLR_BYTES + count * LAZ_VLR_ITEM_BYTES)
 		return gw_fail(error, GW_ERROR_DATA,
 					   "%s: the LASzip record lists %zu items in %zu bytes; points of format %u "
 					   "and %zu bytes have %zu",
 					   s->in->name, count, vlr->length, s->header->format, s->header->record,
 					   s->items.count);
 	for (size_t i = 0; i < count; i++) {
-		const uint8_t *from = vlr->data + VLR_BYTES + i * VLR_ITEM_BYTES;
+		const uint8_t *from = vlr->data + LAZ_VLR_BYTES + i * LAZ_VLR_ITEM_BYTES;
 		laz_item *item = &s->items.item[i];
 		unsigned type = load_16(from), size = load_16(from + 2);
 		item->version = load_16(from + 4);
@@ -127,20 +92,21 @@ static gw_status take_items(laz_stream *s, gw_error *error)
 static gw_status take_vlr(laz_stream *s, gw_error *error)
 {
 	const las_vlr *vlr = &s->header->laszip;
-	if (vlr->length < VLR_BYTES)
+	if (vlr->length < LAZ_VLR_BYTES)
 		return gw_fail(error, GW_ERROR_DATA,
 					   "%s: the points are compressed, but no LASzip record before them says how",
 					   s->in->name);
 	unsigned kind = load_16(vlr->data), coder = load_16(vlr->data + 2);
 	bool layered = s->header->format >= 6;
 	s->chunk_size = load_32(vlr->data + 12);
-	if (kind < POINTWISE || kind > LAYERED || (kind == LAYERED) != layered || coder != 0)
+	if (kind < LAZ_POINTWISE || kind > LAZ_LAYERED || (kind == LAZ_LAYERED) != layered ||
+		coder != 0)
 		return gw_fail(error, GW_ERROR_DATA,
 					   "%s: the points of format %u are compressed by compressor %u with coder %u; "
 					   "with coder 0, compressors 1 and 2 (formats 0 to 5) and 3 (6 to 10) can be "
 					   "read",
 					   s->in->name, s->header->format, kind, coder);
-	s->compressor = (compressor)kind;
+	s->compressor = (laz_compressor)kind;
 	return take_items(s, error);
 }
 
@@ -173,16 +139,16 @@ static gw_status find_table(const laz_stream *s, size_t *table, gw_error *error)
 static gw_status decode_table(laz_stream *s, size_t table, gw_error *error)
 {
 	laz_pool pool = { 0 };
-	laz_decoder d;
+	laz_coder d;
 	laz_integer integer = { 0 };
 	laz_model *context[2] = { 0 };
 	int32_t count = 0, length = 0;
-	laz_decoder_start(&d, s->in->data + table + 8, s->in->length - table - 8, &pool);
+	laz_coder_decode(&d, s->in->data + table + 8, s->in->length - table - 8, &pool);
 	for (size_t c = 0; c < s->chunk_count && d.over == 0; c++) {
-		if (s->chunk_size == VARIABLE)
-			count = laz_near(&d, &integer, &context[0], 32, count);
-		length = laz_near(&d, &integer, &context[1], 32, length);
-		s->chunk[c].count = s->chunk_size == VARIABLE ? (uint32_t)count : s->chunk_size;
+		if (s->chunk_size == LAZ_VARIABLE)
+			count = laz_near(&d, &integer, &context[0], 32, count, 0);
+		length = laz_near(&d, &integer, &context[1], 32, length, 0);
+		s->chunk[c].count = s->chunk_size == LAZ_VARIABLE ? (uint32_t)count : s->chunk_size;
 		s->chunk[c].length = (uint32_t)length;
 	}
 	bool short_of_memory = pool.failed;
@@ -204,7 +170,7 @@ static gw_status place_chunks(laz_stream *s, size_t table, gw_error *error)
 		chunk *k = &s->chunk[c];
 		k->first = first;
 		k->start = at;
-		if (s->chunk_size != VARIABLE && k->count > total - first)
+		if (s->chunk_size != LAZ_VARIABLE && k->count > total - first)
 			k->count = total - first;
 		if (k->count > total - first || k->count == 0)
 			return gw_fail(error, GW_ERROR_DATA,
@@ -307,7 +273,7 @@ static laz_trouble decode(laz_stream *s, laz_points *points, const chunk *k)
 	}
 	free(large);
 	/* Readers that take chunks from a stream find the next one only if this one ends with it. */
-	if (trouble == LAZ_FINE && end == k->count && s->compressor == CHUNKED && k->count > 1 &&
+	if (trouble == LAZ_FINE && end == k->count && s->compressor == LAZ_CHUNKED && k->count > 1 &&
 		laz_points_left(points))
 		trouble = LAZ_DAMAGED;
 	return trouble;
@@ -397,7 +363,7 @@ static gw_status prepare(laz_stream *s, gw_error *error)
 	if (status == GW_OK && s->header->count == 0)
 		status = allocate_chunks(s, 0, error);
 	else if (status == GW_OK)
-		status = s->compressor == POINTWISE ? take_whole(s, error) : take_table(s, error);
+		status = s->compressor == LAZ_POINTWISE ? take_whole(s, error) : take_table(s, error);
 	GW_TRY(status);
 	uint32_t threads = gw_thread_count(s->in->threads);
 	s->worker_count = s->chunk_count < threads ? (uint32_t)s->chunk_count : threads;
@@ -424,7 +390,9 @@ gw_status laz_open(laz_stream **stream, const input_file *in, const las_header *
 
 uint64_t laz_chunk_points(const laz_stream *s)
 {
-	return s->chunk_count == 1 ? s->chunk[0].count : s->chunk_size == VARIABLE ? 1 : s->chunk_size;
+	return s->chunk_count == 1             ? s->chunk[0].count
+		   : s->chunk_size == LAZ_VARIABLE ? 1
+										   : s->chunk_size;
 }
 
 void laz_close(laz_stream **stream)

@@ -3,7 +3,8 @@
  * coordinates, times, colours, places in waveforms.
  *
  * All structs are zeroed at the start of a chunk. Each function takes the value before and leaves
- * the next one in its place, in bytes as LAS has them.
+ * the next one in its place, in bytes as LAS has them; next: what that is to be, which only counts
+ * when encoding. Version 1 can only be decoded.
  */
 #ifndef LAZ_VALUES_H
 #define LAZ_VALUES_H
@@ -35,9 +36,10 @@ typedef struct laz_time {
 	laz_model *context[9];
 } laz_time;
 
-/* item: 8 bytes. The first point's time goes into sequence 0 before. */
-void laz_time_next(laz_time *time, laz_decoder *d, bool layered, uint8_t *item);
-void laz_time_next_1(laz_time *time, laz_decoder *d, uint8_t *item); /* of version 1 */
+/* item: 8 bytes. The first point's time goes into sequence 0 before. In layered streams the time is
+ * another one than that before. */
+void laz_time_next(laz_time *time, laz_coder *c, bool layered, uint8_t *item, const uint8_t *next);
+void laz_time_next_1(laz_time *time, laz_coder *c, uint8_t *item); /* of version 1 */
 
 typedef struct laz_color {
 	laz_model *used;
@@ -46,8 +48,8 @@ typedef struct laz_color {
 } laz_color;
 
 /* item: 6 bytes */
-void laz_color_next(laz_color *color, laz_decoder *d, uint8_t *item);
-void laz_color_next_1(laz_color *color, laz_decoder *d, uint8_t *item); /* of version 1 */
+void laz_color_next(laz_color *color, laz_coder *c, uint8_t *item, const uint8_t *next);
+void laz_color_next_1(laz_color *color, laz_coder *c, uint8_t *item); /* of version 1 */
 
 typedef struct laz_infrared {
 	laz_model *used;
@@ -55,7 +57,7 @@ typedef struct laz_infrared {
 } laz_infrared;
 
 /* item: 2 bytes */
-void laz_infrared_next(laz_infrared *infrared, laz_decoder *d, uint8_t *item);
+void laz_infrared_next(laz_infrared *infrared, laz_coder *c, uint8_t *item, const uint8_t *next);
 
 typedef struct laz_wave {
 	int32_t difference; /* of offsets */
@@ -67,6 +69,6 @@ typedef struct laz_wave {
 } laz_wave;
 
 /* item: 29 bytes */
-void laz_wave_next(laz_wave *wave, laz_decoder *d, uint8_t *item);
+void laz_wave_next(laz_wave *wave, laz_coder *c, uint8_t *item, const uint8_t *next);
 
 #endif

@@ -3,7 +3,7 @@
 #
 #   formats_table.sh BUILD PAGE [POINTS [FILE...]]     POINTS of each cloud, 2000000 unless said
 #
-# Scans as E57 and PTX come from make_cave; FILEs are measured too (LAZ, which nothing here writes).
+# Scans as E57 and PTX come from make_cave; FILEs are measured too, such as a survey as LAZ.
 # The table stands in PAGE between the lines `<!-- table -->` and `<!-- end of table -->`.
 set -eu
 build=$1

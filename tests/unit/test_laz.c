@@ -1,9 +1,11 @@
 /*
  * LAZ: the arithmetic decoder against an encoder written here from Said's report, the running
- * median against sorting, and whole files that LASzip made against the points that they were made
- * from.
+ * median against sorting, whole files that LASzip made against the points that they were made
+ * from, and what the encoder makes of those points against the files; any points there and back.
  */
 #include "las/las_format.h"
+#include "las/las_header.h"
+#include "las/laz_channel.h"
 #include "las/laz_points.h"
 #include "laz_samples.h"
 #include "las/laz_values.h"
@@ -149,12 +151,12 @@ static void symbols_come_back(void **state)
 		}
 		finish(&e);
 		laz_pool pool = { 0 };
-		laz_decoder d;
+		laz_coder d;
 		laz_model *model[KINDS] = { 0 };
-		laz_decoder_start(&d, e.out, e.used, &pool);
+		laz_coder_decode(&d, e.out, e.used, &pool);
 		for (size_t i = 0; i < COUNT; i++) {
-			assert_int_equal(laz_symbol(&d, &model[i % KINDS], alphabets[i % KINDS]), sent[i]);
-			assert_int_equal(laz_bits(&d, 1 + (uint32_t)(i % 31)),
+			assert_int_equal(laz_symbol(&d, &model[i % KINDS], alphabets[i % KINDS], 0), sent[i]);
+			assert_int_equal(laz_bits(&d, 1 + (uint32_t)(i % 31), 0),
 							 sent[i] * 2654435761u >> (32 - 1 - i % 31));
 		}
 		assert_false(d.failed);
@@ -168,15 +170,15 @@ static void bytes_run_out(void **state)
 {
 	(void)state;
 	laz_pool pool = { 0 };
-	laz_decoder d;
+	laz_coder d;
 	laz_model *model = NULL;
 	laz_bit_model bit = { 0 };
 	const uint8_t bytes[6] = { 0xff, 0xff, 0xff, 0xff, 0xff, 0xff };
-	laz_decoder_start(&d, bytes, sizeof bytes, &pool);
+	laz_coder_decode(&d, bytes, sizeof bytes, &pool);
 	for (int i = 0; i < 1000; i++) {
-		assert_true(laz_symbol(&d, &model, 256) < 256);
-		assert_true(laz_bit(&d, &bit) < 2);
-		laz_bits(&d, 17);
+		assert_true(laz_symbol(&d, &model, 256, 0) < 256);
+		assert_true(laz_bit(&d, &bit, 0) < 2);
+		laz_bits(&d, 17, 0);
 	}
 	assert_true(d.over > 1000);
 	laz_pool_clear(&pool);
@@ -349,6 +351,161 @@ static void files_in_parts(void **state)
 	assert_true(parted > 0);
 }
 
+/* ---------------------------------------------------------------------------------- encoding */
+
+/* The items of a sample, as its LASzip record lists them. */
+static laz_items items_of(const laz_sample *sample, const uint8_t *vlr)
+{
+	size_t record = laz_sample_record_bytes(sample->format) + sample->extra;
+	laz_items items = laz_items_make(sample->format, record);
+	for (size_t i = 0; i < items.count; i++)
+		items.item[i].version = load_16(vlr + LAZ_VLR_BYTES + i * LAZ_VLR_ITEM_BYTES + 4);
+	return items;
+}
+
+/* How many points each chunk has, by the table. */
+static size_t chunk_counts(const uint8_t *vlr, const uint8_t *table, uint32_t count[30])
+{
+	laz_pool pool = { 0 };
+	laz_coder d;
+	laz_integer integer = { 0 };
+	laz_model *context[2] = { 0 };
+	uint32_t size = load_32(vlr + 12), chunks = load_32(table + 4);
+	int32_t length = 0, points = 0;
+	laz_coder_decode(&d, table + 8, 100, &pool);
+	for (uint32_t c = 0; c < chunks; c++) {
+		if (size == LAZ_VARIABLE)
+			points = laz_near(&d, &integer, &context[0], 32, points, 0);
+		length = laz_near(&d, &integer, &context[1], 32, length, 0);
+		count[c] = size == LAZ_VARIABLE ? (uint32_t)points : size;
+	}
+	laz_pool_clear(&pool);
+	return chunks;
+}
+
+/* Encodes points and compares them with what LASzip made of them. Returns how many bytes. */
+static size_t same_chunk(laz_points *points, const laz_sample *sample, unsigned first,
+						 unsigned count, const uint8_t *expected)
+{
+	uint8_t record[100], bytes[LAZ_SAMPLE_BYTES];
+	laz_points_begin(points);
+	for (unsigned i = first; i < first + count; i++) {
+		laz_sample_record(sample->format, sample->extra, i, record);
+		laz_points_add(points, record);
+	}
+	size_t length = laz_points_end(points);
+	assert_in_range(length, 1, sizeof bytes);
+	laz_points_put(points, bytes);
+	for (size_t b = 0; b < length; b++)
+		if (bytes[b] != expected[b])
+			fail_msg("%s: byte %zu of %zu from point %u on differs", sample->name, b, length,
+					 first);
+	return length;
+}
+
+/* Byte for byte what LASzip makes of the same points, but for version 1, which is not written. */
+static void chunks_of_laszip(void **state)
+{
+	(void)state;
+	static uint8_t packed[LAZ_SAMPLE_BYTES];
+	for (int s = 1; s < LAZ_SAMPLES; s++) {
+		const laz_sample *sample = &laz_samples[s];
+		laz_sample_packed(sample, packed);
+		size_t start = load_32(packed + 96), at = start + 8, table = load_32(packed + start);
+		const uint8_t *vlr = packed + load_16(packed + 94) + 54;
+		laz_items items = items_of(sample, vlr);
+		laz_points *points = laz_points_create(&items);
+		uint32_t count[30];
+		size_t chunks = chunk_counts(vlr, packed + table, count);
+		unsigned first = 0;
+		for (size_t c = 0; c < chunks; c++) {
+			unsigned rest = LAZ_SAMPLE_POINTS - first, n = count[c] < rest ? count[c] : rest;
+			at += same_chunk(points, sample, first, n, packed + at);
+			first += n;
+		}
+		assert_int_equal(first, LAZ_SAMPLE_POINTS);
+		assert_int_equal(at, table);
+		laz_points_destroy(&points);
+	}
+}
+
+/* Bytes of the next point: all of them other ones, or one in eight, or one in sixty. */
+static void change_record(uint8_t *record, size_t length, int mode, uint64_t *random)
+{
+	static const uint64_t one_in[3] = { 1, 8, 60 };
+	for (size_t b = 0; b < length; b++)
+		if (next_random(random) % one_in[mode] == 0)
+			record[b] = (uint8_t)(next_random(random) >> 40);
+}
+
+/* Points of a format, encoded and decoded again. */
+static void come_back(const laz_items *items, size_t count, int mode)
+{
+	uint8_t *records = malloc(count * items->record), got[100] = { 0 };
+	uint64_t random = 1 + items->record;
+	laz_points *points = laz_points_create(items);
+	laz_points_begin(points);
+	for (size_t i = 0; i < count; i++) {
+		uint8_t *record = records + i * items->record;
+		memcpy(record, i ? record - items->record : got, items->record);
+		change_record(record, items->record, mode, &random);
+		memcpy(got, record, items->record);
+		laz_points_add(points, got);
+		assert_memory_equal(got, record, items->record);
+	}
+	size_t length = laz_points_end(points);
+	uint8_t *bytes = malloc(length);
+	laz_points_put(points, bytes);
+	assert_true(laz_points_start(points, bytes, length, count));
+	for (size_t i = 0; i < count; i++) {
+		laz_points_next(points, got);
+		assert_memory_equal(got, records + i * items->record, items->record);
+	}
+	assert_int_equal(laz_points_trouble(points), LAZ_FINE);
+	laz_points_destroy(&points);
+	free(bytes);
+	free(records);
+}
+
+/* Every bit of a point may be anything: channels, returns, times that are no numbers. */
+static void any_points_come_back(void **state)
+{
+	(void)state;
+	for (unsigned format_number = 0; format_number < LAS_FORMATS; format_number++)
+		for (int mode = 0; mode < 3; mode++) {
+			laz_items items = laz_items_make(format_number, las_format_bytes(format_number) + 3);
+			for (size_t i = 0; i < items.count; i++)
+				items.item[i].version = items.item[i].type == LAZ_WAVEPACKET13 ? 1
+										: items.layered                        ? 3
+																			   : 2;
+			come_back(&items, 1, mode);
+			come_back(&items, 1500, mode);
+		}
+}
+
+/* What never changes takes nothing but its length, 0. */
+static void constant_layers_are_left_out(void **state)
+{
+	(void)state;
+	laz_items items = laz_items_make(7, las_format_bytes(7) + 2);
+	for (size_t i = 0; i < items.count; i++)
+		items.item[i].version = 3;
+	uint8_t record[38] = { 0 }, bytes[4096];
+	laz_points *points = laz_points_create(&items);
+	memset(record + 14, 0x11, sizeof record - 14); /* all but coordinates and intensity */
+	laz_points_begin(points);
+	for (uint32_t i = 0; i < 200; i++) {
+		store_32(record, i * i);
+		laz_points_add(points, record);
+	}
+	assert_in_range(laz_points_end(points), 1, sizeof bytes);
+	laz_points_put(points, bytes);
+	const uint8_t *sizes = bytes + sizeof record + 4;
+	for (size_t layer = 0; layer < LAZ_LAYER_COUNT + 1 + 2; layer++)
+		assert_true((load_32(sizes + 4 * layer) > 0) == (layer <= LAZ_LAYER_Z));
+	laz_points_destroy(&points);
+}
+
 /* ---------------------------------------------------------------------------------- refusals */
 
 static void refused(uint8_t *file, size_t length, const char *because)
@@ -397,9 +554,15 @@ static void what_is_unsupported(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(symbols_come_back),     cmocka_unit_test(bytes_run_out),
-		cmocka_unit_test(median_runs),           cmocka_unit_test(files_of_laszip),
-		cmocka_unit_test(any_number_of_threads), cmocka_unit_test(files_in_parts),
+		cmocka_unit_test(symbols_come_back),
+		cmocka_unit_test(bytes_run_out),
+		cmocka_unit_test(median_runs),
+		cmocka_unit_test(files_of_laszip),
+		cmocka_unit_test(any_number_of_threads),
+		cmocka_unit_test(files_in_parts),
+		cmocka_unit_test(chunks_of_laszip),
+		cmocka_unit_test(any_points_come_back),
+		cmocka_unit_test(constant_layers_are_left_out),
 		cmocka_unit_test(what_is_unsupported),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,246 @@
+#include "las/las_records.h"
+#include "files/little_endian.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ------------------------------------------------------------------- which column goes where */
+
+/* True when a field holds every value of a column exactly. */
+static bool fits(const las_field *field, const scan_column *column, size_t count)
+{
+	if (field->kind == LAS_FLOAT64)
+		return column->type == SCAN_FLOAT64;
+	bool whole = field->bits == 0 && las_field_type(field) == column->type;
+	size_t bits = field->bits ? field->bits : 8 * las_kind_size(field->kind);
+	bool negative = field->kind == LAS_INT8 || field->kind == LAS_INT16;
+	double high = ldexp(1.0, (int)bits - negative) - 1.0, low = negative ? -high - 1.0 : 0.0;
+	for (size_t i = 0; i < count && !whole; i++) {
+		double value = scan_value(column, i);
+		if (!(value >= low && value <= high) || value != floor(value))
+			return false;
+	}
+	return true;
+}
+
+static bool is_color(const char *name)
+{
+	return strcmp(name, "red") == 0 || strcmp(name, "green") == 0 || strcmp(name, "blue") == 0;
+}
+
+/* True when all columns that are called like fields of the old formats go there, and none needs a
+ * field that only new ones have. */
+static bool fits_old(const las_records *w, const las_layout *old)
+{
+	static const char *const only_new[] = { "scan_angle", "overlap", "scanner_channel", "nir" };
+	if (!scan_find(w->cloud, "scan_angle_rank"))
+		return false;
+	for (size_t i = 0; i < sizeof only_new / sizeof *only_new; i++)
+		if (scan_find(w->cloud, only_new[i]))
+			return false;
+	for (size_t f = 3; f < old->count; f++) {
+		const las_field *field = &old->field[f];
+		const scan_column *column = scan_find(w->cloud, field->name);
+		if (column && !is_color(field->name) && !fits(field, column, w->cloud->count))
+			return false;
+	}
+	return true;
+}
+
+/* Formats 6 to 8 are what LAS 1.4 is for; points that come from an old format keep it, because a
+ * scan angle in degrees and one in steps of 0.006 degrees are different numbers. */
+static gw_status choose_format(las_records *w, bool newer, gw_error *error)
+{
+	const double zero[3] = { 0 };
+	las_layout old;
+	bool time = scan_find(w->cloud, "gps_time") != NULL;
+	w->returns = scan_find(w->cloud, "return_number") || scan_find(w->cloud, "number_of_returns");
+	w->colored = scan_find(w->cloud, "red") && scan_find(w->cloud, "green") &&
+				 scan_find(w->cloud, "blue") &&
+				 scan_color_find(w->cloud, scan_color_names, &w->color);
+	unsigned number = (time ? 1u : 0u) + (w->colored ? 2u : 0u);
+	GW_TRY(las_layout_make(&old, number, zero, zero, error));
+	if (newer || !fits_old(w, &old))
+		number = scan_find(w->cloud, "nir") ? 8 : w->colored ? 7 : 6;
+	las_layout_clear(&old);
+	w->format = number;
+	return GW_OK;
+}
+
+static bool is_written(const las_records *w, const char *name)
+{
+	for (size_t f = 0; f < w->own; f++)
+		if (w->column[f] && strcmp(w->layout.field[f].name, name) == 0)
+			return true;
+	return false;
+}
+
+/* An extra value's name has 32 bytes: longer ones are cut, and numbered when that makes two
+ * alike. */
+static void name_extra(const las_records *w, las_field *field, const char *name)
+{
+	snprintf(field->name, sizeof field->name, "%.32s", name);
+	for (unsigned n = 2, again = 1; again; n++) {
+		again = 0;
+		for (size_t f = w->own; f < w->layout.count && !again; f++)
+			again = strcmp(w->layout.field[f].name, field->name) == 0;
+		if (again)
+			snprintf(field->name, sizeof field->name, "%.26s_%u", name, n);
+	}
+}
+
+static gw_status add_extra(las_records *w, const scan_column *column, gw_error *error)
+{
+	static const las_kind kind[SCAN_TYPE_COUNT] = {
+		[SCAN_INT8] = LAS_INT8,       [SCAN_UINT8] = LAS_UINT8,     [SCAN_INT16] = LAS_INT16,
+		[SCAN_UINT16] = LAS_UINT16,   [SCAN_INT32] = LAS_INT32,     [SCAN_UINT32] = LAS_UINT32,
+		[SCAN_FLOAT32] = LAS_FLOAT32, [SCAN_FLOAT64] = LAS_FLOAT64,
+	};
+	las_field field = { .kind = kind[column->type], .place = w->layout.bytes };
+	name_extra(w, &field, column->name);
+	size_t extras = w->layout.count - w->own + 1;
+	if (extras * LAS_EXTRA_BYTES > LAS_LENGTH_MAX ||
+		w->layout.bytes + las_kind_size(field.kind) > LAS_LENGTH_MAX)
+		return gw_fail(
+			error, GW_ERROR_DATA,
+			"%s: the points have more columns than LAS holds, of which %zu are no fields "
+			"of its points; write PLY",
+			w->name, extras);
+	w->column[w->layout.count] = column;
+	return las_layout_add(&w->layout, &field, error);
+}
+
+/* An angle of the old formats, in degrees, for the new ones; it also stays as it is. */
+static const scan_column *find_rank(const scan *cloud)
+{
+	const scan_column *rank = scan_find(cloud, "scan_angle_rank");
+	return rank && rank->type == SCAN_INT8 ? rank : NULL;
+}
+
+static gw_status assign_columns(las_records *w, gw_error *error)
+{
+	const double scale[3] = { w->grid[0].scale, w->grid[1].scale, w->grid[2].scale };
+	const double offset[3] = { w->grid[0].offset, w->grid[1].offset, w->grid[2].offset };
+	GW_TRY(las_layout_make(&w->layout, w->format, scale, offset, error));
+	w->own = w->layout.count;
+	w->column = calloc(w->own + w->cloud->column_count, sizeof *w->column);
+	if (!w->column)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to write %s", w->name);
+	for (size_t f = 0; f < w->own; f++) {
+		const las_field *field = &w->layout.field[f];
+		const scan_column *column = scan_find(w->cloud, field->name);
+		bool taken = is_color(field->name)
+						 ? w->colored
+						 : field->scaled || !column || fits(field, column, w->cloud->count);
+		w->column[f] = taken ? column : NULL;
+		if (strcmp(field->name, "scan_angle") == 0 && !column)
+			w->column[f] = find_rank(w->cloud);
+	}
+	for (size_t c = 0; c < w->cloud->column_count; c++)
+		if (!is_written(w, w->cloud->column[c].name))
+			GW_TRY(add_extra(w, &w->cloud->column[c], error));
+	return GW_OK;
+}
+
+/* ----------------------------------------------------------------------------------- records */
+
+static uint16_t color_value(const las_records *w, const scan_column *column, size_t i)
+{
+	int channel = 0;
+	while (w->color.column[channel] != column && channel < 2)
+		channel++;
+	double value = scan_color_value(&w->color, channel, i);
+	return value > 0.0 ? (uint16_t)(fmin(value, 1.0) * 65535.0 + 0.5) : 0;
+}
+
+static void put_bytes(uint8_t *to, uint64_t bits, size_t size)
+{
+	for (size_t b = 0; b < size; b++)
+		to[b] = (uint8_t)(bits >> 8 * b);
+}
+
+/* One field of records, whose column has the same type: byte for byte. */
+static void copy_field(const las_records *w, size_t f, size_t first, size_t count, uint8_t *to)
+{
+	const void *from = w->column[f]->data;
+	size_t size = las_kind_size(w->layout.field[f].kind), stride = w->layout.bytes;
+	for (size_t i = first; i < first + count; i++, to += stride) {
+		size_t row = w->order ? w->order[i] : i;
+		switch (size) {
+		case 1:
+			*to = ((const uint8_t *)from)[row];
+			break;
+		case 2:
+			store_16(to, ((const uint16_t *)from)[row]);
+			break;
+		case 4:
+			store_32(to, ((const uint32_t *)from)[row]);
+			break;
+		default:
+			store_64(to, ((const uint64_t *)from)[row]);
+			break;
+		}
+	}
+}
+
+/* One field of records, whose column is of another type, but with values that it holds. */
+static void convert_field(const las_records *w, size_t f, size_t first, size_t count, uint8_t *to)
+{
+	const las_field *field = &w->layout.field[f];
+	const scan_column *column = w->column[f];
+	bool color = is_color(field->name), angle = field->kind == LAS_INT16;
+	size_t size = las_kind_size(field->kind), stride = w->layout.bytes;
+	for (size_t i = first; i < first + count; i++, to += stride) {
+		size_t row = w->order ? w->order[i] : i;
+		if (field->scaled)
+			store_32(to, (uint32_t)las_grid_place(&w->grid[f], scan_value(column, row)));
+		else if (color)
+			store_16(to, color_value(w, column, row));
+		else if (angle && column->type == SCAN_INT8)
+			store_16(to, (uint16_t)lrint(scan_value(column, row) / 0.006));
+		else if (field->bits)
+			*to = (uint8_t)(*to | (unsigned)scan_value(column, row) << field->shift);
+		else
+			put_bytes(to, (uint64_t)(int64_t)scan_value(column, row), size);
+	}
+}
+
+/* A point of which nothing is known of returns is the only one of its pulse. */
+void las_records_put(const las_records *w, size_t first, size_t count, uint8_t *bytes)
+{
+	size_t stride = w->layout.bytes;
+	memset(bytes, 0, count * stride);
+	for (size_t i = 0; i < count && !w->returns; i++)
+		bytes[i * stride + 14] = w->format < 6 ? 1 | 1 << 3 : 1 | 1 << 4;
+	for (size_t f = 0; f < w->layout.count; f++) {
+		const las_field *field = &w->layout.field[f];
+		const scan_column *column = w->column[f];
+		if (!column)
+			continue;
+		if (field->bits || field->scaled || column->type != las_field_type(field))
+			convert_field(w, f, first, count, bytes + field->place);
+		else
+			copy_field(w, f, first, count, bytes + field->place);
+	}
+}
+
+/* ----------------------------------------------------------------------------- the whole */
+
+gw_status las_records_make(las_records *w, const scan *cloud, const char *name, bool newer,
+						   gw_error *error)
+{
+	*w = (las_records){ .name = name, .cloud = cloud };
+	GW_TRY(choose_format(w, newer, error));
+	for (int k = 0; k < 3; k++)
+		GW_TRY(las_grid_find(cloud, k, name, &w->grid[k], error));
+	return assign_columns(w, error);
+}
+
+void las_records_clear(las_records *w)
+{
+	las_layout_clear(&w->layout);
+	free(w->column);
+	*w = (las_records){ 0 };
+}

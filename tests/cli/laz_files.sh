@@ -1,0 +1,31 @@
+# LAZ out: the same columns as by way of LAS, by name, in a pipe and by the clock of one processor;
+# lit, and its lamps mixed.
+make_points() {
+	printf 'ply\nformat ascii 1.0\nelement vertex 400\nproperty double x\nproperty double y\n'
+	printf 'property double z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n'
+	printf 'property double gps_time\nproperty float moisture\nproperty short depth\nend_header\n'
+	awk 'BEGIN { for (i = 0; i < 400; i++) printf "%.3f %.3f %.3f %d %d %d %.6f %.4f %d\n",
+		500000.123 + i % 20 * 0.1, 7 + int(i / 20) * 0.1, 12.25 + 0.01 * (i % 3),
+		i % 256, 128, 255 - i % 256, 1000 + i * 1e-5, i / 7, 200 - i }'
+}
+make_points >a.ply
+glowworm convert a.ply a.las
+glowworm convert a.ply a.laz
+glowworm info a.laz | sed -n '/field  /,$p'
+glowworm convert a.las las.csv && glowworm convert a.laz laz.csv && cmp las.csv laz.csv
+[ $(wc -c <a.laz) -lt $(($(wc -c <a.las) / 2)) ] || echo "not smaller: $(wc -c <a.laz)"
+# A pipe cannot be gone back in.
+glowworm convert a.ply - --output-format laz | cat >pipe.laz
+glowworm convert pipe.laz pipe.csv && cmp laz.csv pipe.csv
+taskset -c 0 glowworm convert a.ply one.laz && cmp a.laz one.laz
+glowworm convert a.laz again.laz && cmp a.laz again.laz
+glowworm convert a.ply a.laz
+echo "status $?"
+head -c 1500 a.laz >cut.laz
+glowworm info cut.laz 2>&1 | head -n 1 | cut -c 1-50
+${LOOK_FOR_DEVICE:-glowworm info --devices} >/dev/null 2>&1 ||
+	{ echo "there is no Vulkan device"; exit 77; }
+lamp='point name lamp at 500001,8,14 intensity 5'
+glowworm bake a.ply -q --light "$lamp" --fields lights -o lit.laz
+glowworm mix lit.laz -q --gain lamp=2 -o mixed.laz
+glowworm info mixed.laz | grep -c scalar_light
