@@ -380,6 +380,7 @@ deps:  ## install the Debian packages that are missing
 
 deps-interop:  ## the same for the programs that test-interop runs
 	@tests/install_packages.sh .debian-packages-interop
+	@tests/install_node_packages.sh build/interop
 
 demo: deps  ## make a cave, light it and say what came out
 	@$(build_quietly) all

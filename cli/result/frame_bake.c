@@ -4,6 +4,7 @@
 #include "result/light_shares.h"
 #include "result/lit_scan.h"
 #include "files/number_text.h"
+#include "table/format_table.h"
 #include "scene/octree_note.h"
 #include "options/preview.h"
 #include "scene/scene_file.h"
@@ -76,8 +77,7 @@ static char *name_frame(const char *path, uint32_t frame)
 	unsigned width;
 	char *name = NULL;
 	size_t length = find_number(path, &at, &width);
-	const char *slash = strrchr(path, '/'), *dot = strrchr(slash ? slash : path, '.');
-	int stem = (int)((dot ? dot : path + strlen(path)) - path);
+	int stem = (int)(format_extension(path) - path);
 	int written = length ? asprintf(&name, "%.*s%0*u%s", (int)(at - path), path, (int)width, frame,
 									at + length)
 						 : asprintf(&name, "%.*s-%04u%s", stem, path, frame, path + stem);

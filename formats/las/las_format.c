@@ -1,5 +1,7 @@
 #include "las/las_format.h"
 #include "las/las_grid.h"
+#include "las/las_header.h"
+#include "las/las_notes.h"
 
 #include <string.h>
 
@@ -14,13 +16,22 @@ static bool probe_las(const uint8_t *head, size_t length)
 	return is_las(head, length, false);
 }
 
+/* The VLR that says where the octree is comes first. */
+static bool probe_copc(const uint8_t *head, size_t length)
+{
+	const uint8_t *user = head + LAS_HEADER_BYTES_1_4 + 2;
+	return is_las(head, length, true) && length > LAS_HEADER_BYTES_1_4 + LAS_VLR_BYTES &&
+		   memcmp(user, LAS_USER_COPC, sizeof LAS_USER_COPC) == 0;
+}
+
 static bool probe_laz(const uint8_t *head, size_t length)
 {
-	return is_las(head, length, true);
+	return is_las(head, length, true) && !probe_copc(head, length);
 }
 
 static const char *const las_extensions[] = { "las", NULL };
 static const char *const laz_extensions[] = { "laz", NULL };
+static const char *const copc_extensions[] = { "copc.laz", NULL };
 
 static gw_status las_accept(const scan *cloud, const char *name, gw_error *error)
 {
@@ -58,4 +69,18 @@ const format laz_format = {
 	.accept = las_accept,
 	.row_bytes = 1, /* real points take more */
 	.write = laz_write,
+};
+
+const format copc_format = {
+	.name = "copc",
+	.description = "LAZ in an octree, for viewers that load what they show",
+	.extensions = copc_extensions,
+	.probe = probe_copc,
+	.read = las_read,
+	.count_rows = las_count_rows,
+	.read_rows = las_read_rows,
+	.settle_rows = las_settle_rows,
+	.accept = las_accept,
+	.row_bytes = 1,
+	.write = copc_write,
 };

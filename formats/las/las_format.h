@@ -1,8 +1,9 @@
 /*
- * las_format.h - LAS and LAZ, the ASPRS formats of laser scans.
+ * las_format.h - LAS, LAZ and COPC, the ASPRS formats of laser scans.
  *
  * Read: versions 1.0 to 1.5, point formats 0 to 10, extra bytes of all types; LAZ of every
- * compressor that LASzip has (laz_reader.h). Written: LAS 1.4, also as LAZ.
+ * compressor that LASzip has (laz_reader.h). Written: LAS 1.4, also as LAZ
+ * and COPC.
  *
  * Every field is a column under its name in lower case (intensity, return_number, gps_time, nir,
  * wave_offset ...), extra bytes under their own. Flags and colours that are 0 at all points are no
@@ -15,9 +16,9 @@
 #include "files/input_file.h"
 #include "files/output_file.h"
 
-extern const format las_format, laz_format;
+extern const format las_format, laz_format, copc_format;
 
-/* As format.read, for both. */
+/* As format.read, for all. */
 gw_status las_read(input_file *in, scan *cloud, gw_error *error);
 
 /* As format.count_rows and its fellows. Points are read in parts unless some field's column hangs
@@ -40,8 +41,13 @@ gw_status las_settle_rows(input_file *in, const bool *zero, scan *kept, gw_error
 gw_status las_write(output_file *out, const scan *cloud, gw_error *error);
 
 /* The same points, compressed by chunks on several threads (laz_chunks.h). Memory holds some chunks
- * for each of them. The file is the same for any number of threads; one in a pipe says at its end
- * where its table of chunks is. */
+ * for each of them; of what goes to a pipe all. The bytes are the same for any number of threads,
+ * in a file and in a pipe. */
 gw_status laz_write(output_file *out, const scan *cloud, gw_error *error);
+
+/* COPC 1.0: LAZ whose chunks are nodes of an octree, each a thinned cloud of what its cube holds
+ * (copc_tree.h), so that a viewer loads what it shows. The points' order is the nodes'. Formats 6
+ * to 8 only. Memory holds the compressed file, and 50 bytes a point beside it. */
+gw_status copc_write(output_file *out, const scan *cloud, gw_error *error);
 
 #endif

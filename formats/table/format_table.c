@@ -17,8 +17,9 @@
 
 /* In the order in which content is probed. */
 const format *const formats[] = {
-	&ply_format, &las_format, &laz_format, &pcd_format, &e57_format, &off_format,   &glb_format,
-	&ptx_format, &pts_format, &xyz_format, &csv_format, &obj_format, &cloud_format, NULL,
+	&ply_format, &las_format, &laz_format, &copc_format,  &pcd_format,
+	&e57_format, &off_format, &glb_format, &ptx_format,   &pts_format,
+	&xyz_format, &csv_format, &obj_format, &cloud_format, NULL,
 };
 
 const format *format_by_name(const char *name)
@@ -29,17 +30,47 @@ const format *format_by_name(const char *name)
 	return NULL;
 }
 
-const format *format_by_path(const char *path)
+/* The length of an extension with its dot, when a name ends in it, else 0. */
+static size_t ends_in(const char *name, const char *extension)
+{
+	size_t length = strlen(name), end = strlen(extension) + 1;
+	return length >= end && name[length - end] == '.' &&
+				   strcasecmp(name + length - end + 1, extension) == 0
+			   ? end
+			   : 0;
+}
+
+static const char *name_of(const char *path)
 {
 	const char *slash = strrchr(path, '/');
-	const char *dot = strrchr(slash ? slash : path, '.');
-	if (!dot)
-		return NULL;
+	return slash ? slash + 1 : path;
+}
+
+/* Of two extensions that a name ends in, as .laz and .copc.laz, the longer one counts. */
+static const format *find_extension(const char *path, size_t *longest)
+{
+	const format *found = NULL;
+	*longest = 0;
 	for (size_t f = 0; formats[f]; f++)
-		for (const char *const *e = formats[f]->extensions; *e; e++)
-			if (strcasecmp(dot + 1, *e) == 0)
-				return formats[f];
-	return NULL;
+		for (const char *const *e = formats[f]->extensions; *e; e++) {
+			size_t length = ends_in(name_of(path), *e);
+			found = length > *longest ? formats[f] : found;
+			*longest = length > *longest ? length : *longest;
+		}
+	return found;
+}
+
+const format *format_by_path(const char *path)
+{
+	size_t length;
+	return find_extension(path, &length);
+}
+
+const char *format_extension(const char *path)
+{
+	size_t length;
+	const char *dot = strrchr(name_of(path), '.'), *end = path + strlen(path);
+	return find_extension(path, &length) ? end - length : dot ? dot : end;
 }
 
 /* Names of all formats that can be read, for messages. */

@@ -12,6 +12,10 @@ extern const format *const formats[]; /* NULL-terminated */
 const format *format_by_name(const char *name);
 const format *format_by_path(const char *path);
 
+/* Where a path's extension begins, with its dot: that of a format (".copc.laz"), else what is
+ * behind the last dot of the name; the end of the path when there is none. */
+const char *format_extension(const char *path);
+
 /*
  * Reads a scan from a file, format found by content, then by extension.
  *   path     "-" is standard input
