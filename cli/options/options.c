@@ -96,6 +96,14 @@ static const char *colors_name(int i)
 	return name[i];
 }
 
+static const char *las_radiance_name(int i)
+{
+	static const char *const name[] = {
+		[SETTINGS_LAS_FLOAT] = "float", [SETTINGS_LAS_HALF] = "half", [SETTINGS_LAS_COUNT] = NULL
+	};
+	return name[i];
+}
+
 static const char *tone_name(int i)
 {
 	return i < PREVIEW_TONE_COUNT ? preview_tone_name((preview_tone)i) : NULL;
@@ -261,6 +269,10 @@ const option options[] = {
 			  "says; auto takes the middle of the points, to a kilometre, of each axis on which "
 			  "some are 10,000 or more. Lamps, scanners and cameras keep the input's coordinates, "
 			  "and reading such a file adds X,Y,Z again" },
+	{ "las-radiance", 0, NULL, OPTION_CHOICE, QUIETLY, FOR(BAKE | MIX | CONVERT), AT(las_radiance),
+	  .choice = las_radiance_name, .group = "Output",
+	  .help = "how exactly LAS, LAZ and COPC keep the columns of light: as they are, or rounded to "
+			  "the 11 bits of a half float, up to 0.05 % off, of which LAZ is smaller" },
 	{ "force", 'f', NULL, OPTION_FLAG, QUIETLY,
 	  FOR(BAKE | SAMPLE | COMPARE | TRADEOFF | MIX | CONVERT | RENDER | ALBEDO | LAMP | PROBES),
 	  OFTEN(BAKE | SAMPLE | MIX | CONVERT | RENDER | ALBEDO | PROBES | COMPARE), AT(force),

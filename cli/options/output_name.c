@@ -1,4 +1,5 @@
 #include "options/output_name.h"
+#include "options/settings.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -25,4 +26,15 @@ gw_status output_name_format(const char *path, const char *name, const format **
 					   name, known);
 	return gw_fail(error, GW_ERROR_USAGE,
 				   "%s: the name must end in a format that can be written: %s", path, known);
+}
+
+gw_status output_name_check_light(const format *f, int how, const char *path, gw_error *error)
+{
+	static const char *const kin[] = { "las", "laz", "copc", NULL };
+	for (const char *const *k = kin; *k; k++)
+		if (how == SETTINGS_LAS_FLOAT || strcmp(f->name, *k) == 0)
+			return GW_OK;
+	return gw_fail(error, GW_ERROR_USAGE,
+				   "--las-radiance is for LAS, LAZ and COPC, and %s is %s; leave it out", path,
+				   f->name);
 }

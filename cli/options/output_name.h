@@ -15,4 +15,9 @@
 gw_status output_name_format(const char *path, const char *name, const format **found,
 							 gw_error *error);
 
+/* Whether a format can keep light so; GW_ERROR_USAGE: only LAS and its kin are rounded.
+ *   how    a settings_las_radiance
+ *   path   of the output, for the message */
+gw_status output_name_check_light(const format *f, int how, const char *path, gw_error *error);
+
 #endif

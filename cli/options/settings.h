@@ -88,6 +88,13 @@ typedef enum settings_remainder {
 	SETTINGS_REMAINDER_COUNT
 } settings_remainder;
 
+/* How exactly LAS keeps light. */
+typedef enum settings_las_radiance {
+	SETTINGS_LAS_FLOAT,
+	SETTINGS_LAS_HALF, /* rounded to as many bits as a half float has */
+	SETTINGS_LAS_COUNT
+} settings_las_radiance;
+
 typedef enum settings_progress {
 	SETTINGS_PROGRESS_AUTO,
 	SETTINGS_PROGRESS_JSON,
@@ -238,6 +245,7 @@ typedef struct settings {
 	int capture;                     /* a settings_capture */
 	float capture_scale;             /* colour, linear, of radiance 1; 0: unknown */
 	int remainder;                   /* a settings_remainder */
+	int las_radiance;                /* a settings_las_radiance */
 	int quality;                     /* a gw_quality */
 	float opacity;                   /* of all points, 0..1; -1: as columns say */
 	float exposure;                  /* EV; NAN: from the picture */

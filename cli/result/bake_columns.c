@@ -3,28 +3,34 @@
 #include <stdio.h>
 #include <string.h>
 
+typedef enum column_kind {
+	OTHER,
+	LIGHT, /* is wrong once lamps are dimmed */
+	MIXED, /* is light, too, but made again then */
+} column_kind;
+
 typedef struct column_group {
 	const char *name;
 	const char *channel; /* letters behind the name and a _, or NULL: one column */
-	bool of_light;
+	column_kind kind;
 } column_group;
 
 static const column_group groups[] = {
-	{ "quality", NULL, false },
-	{ "scalar_radiance", "rgb", false },
-	{ "scalar_direct", "rgb", true },
-	{ "scalar_indirect", "rgb", true },
-	{ "scalar_irradiance", "rgb", true },
-	{ "scalar_direct_irradiance", "rgb", true },
-	{ "scalar_indirect_irradiance", "rgb", true },
-	{ "scalar_luminance", NULL, true },
-	{ "scalar_illuminance", NULL, true },
-	{ "scalar_error", NULL, true },
-	{ "scalar_roi", NULL, false },
-	{ "scalar_ao", NULL, false },
-	{ "scalar_bent_normal", "xyz", false },
-	{ "scalar_unknown", NULL, false },
-	{ "scalar_normal", "xyz", false },
+	{ "quality", NULL, MIXED },
+	{ "scalar_radiance", "rgb", MIXED },
+	{ "scalar_direct", "rgb", LIGHT },
+	{ "scalar_indirect", "rgb", LIGHT },
+	{ "scalar_irradiance", "rgb", LIGHT },
+	{ "scalar_direct_irradiance", "rgb", LIGHT },
+	{ "scalar_indirect_irradiance", "rgb", LIGHT },
+	{ "scalar_luminance", NULL, LIGHT },
+	{ "scalar_illuminance", NULL, LIGHT },
+	{ "scalar_error", NULL, LIGHT },
+	{ "scalar_roi", NULL, OTHER },
+	{ "scalar_ao", NULL, OTHER },
+	{ "scalar_bent_normal", "xyz", OTHER },
+	{ "scalar_unknown", NULL, OTHER },
+	{ "scalar_normal", "xyz", OTHER },
 };
 
 size_t bake_columns_remove(scan *cloud, bake_columns which)
@@ -32,7 +38,7 @@ size_t bake_columns_remove(scan *cloud, bake_columns which)
 	size_t before = cloud->column_count;
 	for (size_t i = 0; i < sizeof groups / sizeof *groups; i++) {
 		const column_group *g = &groups[i];
-		if (which == BAKE_COLUMNS_OF_LIGHT && !g->of_light)
+		if (which == BAKE_COLUMNS_OF_LIGHT && g->kind != LIGHT)
 			continue;
 		if (!g->channel)
 			scan_remove_column(cloud, g->name);
@@ -43,6 +49,57 @@ size_t bake_columns_remove(scan *cloud, bake_columns which)
 		}
 	}
 	return before - cloud->column_count;
+}
+
+/* Is a column one of a group? Their names begin alike. */
+static bool is_of(const column_group *g, const char *name)
+{
+	size_t length = strlen(g->name);
+	if (strncmp(name, g->name, length) != 0)
+		return false;
+	if (!g->channel)
+		return !name[length];
+	return name[length] == '_' && name[length + 1] && strchr(g->channel, name[length + 1]) &&
+		   !name[length + 2];
+}
+
+static bool is_light(const char *name)
+{
+	static const char lamp[] = "scalar_light_";
+	if (strncmp(name, lamp, sizeof lamp - 1) == 0)
+		return true;
+	for (size_t i = 0; i < sizeof groups / sizeof *groups; i++)
+		if (groups[i].kind != OTHER && is_of(&groups[i], name))
+			return true;
+	return false;
+}
+
+/* To the nearer of two values, to the even one of two that are as near. What is no number stays
+ * none. */
+static float round_to_half(float value)
+{
+	enum { DROPPED = 23 - 10 };
+	uint32_t bits, half = 1u << (DROPPED - 1), exponent = 0x7f800000;
+	memcpy(&bits, &value, sizeof bits);
+	if ((bits & exponent) == exponent)
+		return value;
+	uint32_t rounded = bits + half - 1 + (bits >> DROPPED & 1);
+	/* The largest ones would become infinite. */
+	bits = ((rounded & exponent) == exponent ? bits : rounded) & ~(2 * half - 1);
+	memcpy(&value, &bits, sizeof value);
+	return value;
+}
+
+void bake_columns_round(scan *cloud)
+{
+	for (size_t c = 0; c < cloud->column_count; c++) {
+		const scan_column *column = &cloud->column[c];
+		if (column->type != SCAN_FLOAT32 || !is_light(column->name))
+			continue;
+		float *value = column->data;
+		for (size_t i = 0; i < cloud->count; i++)
+			value[i] = round_to_half(value[i]);
+	}
 }
 
 bool bake_columns_photometric(const scan *cloud)

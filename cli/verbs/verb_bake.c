@@ -130,8 +130,10 @@ static gw_status check(bake *b)
 	GW_TRY(frame_bake_check(s, b->error));
 	if (!s->frames)
 		GW_TRY(file_roles_check(VERB_BAKE, s, NULL, b->error));
-	if (s->output)
+	if (s->output) {
 		GW_TRY(output_name_format(s->output, s->output_format, &b->format, b->error));
+		GW_TRY(output_name_check_light(b->format, s->las_radiance, s->output, b->error));
+	}
 	return output_shift_read(s->shift, b->format, &s->shifting, b->error);
 }
 

@@ -2,6 +2,7 @@
 #include "scene/file_roles.h"
 #include "files/output_file.h"
 #include "options/output_name.h"
+#include "result/bake_columns.h"
 #include "program/signals.h"
 #include "program/text_quote.h"
 
@@ -28,6 +29,7 @@ static gw_status check(const settings *s, const format **to, output_shift *shift
 	GW_TRY(file_roles_check(VERB_CONVERT, s, NULL, error));
 	GW_TRY(output_name_format(out, s->output_format, to, error));
 	GW_TRY(output_shift_read(s->shift, *to, shift, error));
+	GW_TRY(output_name_check_light(*to, s->las_radiance, out, error));
 	bool binary = strcmp((*to)->name, "xyz") != 0 && strcmp((*to)->name, "csv") != 0;
 	if (binary && strcmp(out, "-") == 0 && isatty(STDOUT_FILENO))
 		return gw_fail(error, GW_ERROR_USAGE,
@@ -56,6 +58,8 @@ static gw_status convert(const settings *s, scan *cloud, output_file **out, gw_e
 	note_reading(s, cloud);
 	output_shift_settle_by(&shift, cloud, s->quiet);
 	GW_TRY(output_shift_apply(&shift, cloud, error));
+	if (s->las_radiance == SETTINGS_LAS_HALF)
+		bake_columns_round(cloud);
 	GW_TRY(to->write(*out, cloud, error));
 	GW_TRY(signals_check(error));
 	return output_file_commit(out, error);

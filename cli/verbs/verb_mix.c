@@ -2,6 +2,7 @@
 #include "scene/file_roles.h"
 #include "scene/stream_roles.h"
 #include "program/signals.h"
+#include "result/bake_columns.h"
 #include "result/light_mix.h"
 #include "scene/loaded_scene.h"
 #include "files/number_text.h"
@@ -62,6 +63,7 @@ static gw_status check(mixing *m)
 									  m->error));
 	GW_TRY(file_roles_check(VERB_MIX, s, NULL, m->error));
 	GW_TRY(output_name_format(s->output, s->output_format, &m->format, m->error));
+	GW_TRY(output_name_check_light(m->format, s->las_radiance, s->output, m->error));
 	return output_shift_read(s->shift, m->format, &m->shift, m->error);
 }
 
@@ -310,6 +312,8 @@ static gw_status mix_whole(mixing *m)
 		output_shift_settle_by(&m->shift, &all.cloud, s->quiet);
 		status = finish_part(m, &all);
 	}
+	if (status == GW_OK && s->las_radiance == SETTINGS_LAS_HALF)
+		bake_columns_round(&all.cloud);
 	if (status == GW_OK)
 		status = m->format->write(m->output, &all.cloud, m->error);
 	clear_part(&all);

@@ -40,3 +40,18 @@ glowworm info mixed.laz | grep -c scalar_light
 glowworm bake a.ply -q --light "$lamp" -o lit.copc.laz
 head -c 381 lit.copc.laz | tail -c 4
 echo
+# Light rounded to 11 bits: each value off by up to 2^-11 of itself, all other columns not at all.
+glowworm bake a.ply -q --light "$lamp" --fields lights --las-radiance half -o half.laz
+glowworm convert lit.laz lit.csv && glowworm convert half.laz half.csv
+paste -d , lit.csv half.csv | awk -F , '
+	NR == 1 { for (i = 1; i <= NF / 2; i++) name[i] = $i; next }
+	{ for (i = 1; i <= NF / 2; i++) { off = $i - $(i + NF / 2); size = $i < 0 ? -$i : $i
+		off = off < 0 ? -off : off
+		if (off > 0) changed[name[i]] = 1
+		if (off > size / 2048) print name[i] ": " $i " became " $(i + NF / 2) } }
+	END { for (n in changed) print n }' | sort
+glowworm convert lit.laz --las-radiance half -o other.laz
+glowworm convert other.laz other.csv && cmp half.csv other.csv
+[ $(wc -c <half.laz) -lt $(wc -c <lit.laz) ] || echo 'not smaller'
+glowworm convert lit.laz --las-radiance half -o half.ply
+echo "status $?"
