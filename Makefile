@@ -370,7 +370,7 @@ bench: all $(BENCH_PROGRAMS) $(TOOL_PROGRAMS)  ## measure speed and error: table
 		echo "== $${program##*/}"; $$program; done
 	@echo "== bench_table.py"; BUILD=$(BUILD) tests/bench/bench_table.py $(BUILD)/bench.json
 
-bench-formats: all $(BUILD)/tests/bench/bench_formats  ## speed of reading, into formats/speed.md
+bench-formats: all $(BUILD)/tests/bench/bench_formats  ## speed of reading and writing, into formats/speed.md
 	@tests/bench/formats_table.sh $(BUILD) formats/speed.md 2000000 $(LAZ)
 
 # -------------------------------------------------------------------------------------- use

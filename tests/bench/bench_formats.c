@@ -3,6 +3,7 @@
  *
  *   bench_formats [POINTS]             points of the clouds that it makes (500000)
  *   bench_formats FOLDER POINTS FILE...
+ *   bench_formats --writing POINTS     how fast they are written
  *
  * In FOLDER (a temporary one unless given) it makes a cloud in every format that can be written,
  * and PLY, PTS, OBJ and PCD in their other encodings; these files and FILEs are read, and a table
@@ -315,8 +316,66 @@ static gw_status measure_all(size_t count, const char *folder, gw_error *error)
 	return status;
 }
 
+/* ------------------------------------------------------------------------------------ writing */
+
+/* The best of some times, by the processor's and by the wall's clock: infinite when it fails. */
+static double best_of_writing(const format *f, const scan *cloud, const char *path, clockid_t clock)
+{
+	double best = INFINITY;
+	gw_error error = { 0 };
+	for (int i = 0; i < RUNS; i++) {
+		double start = now(clock);
+		if (write_as(f, cloud, path, &error) != GW_OK) {
+			fprintf(stderr, "bench_formats: %s\n", error.text);
+			return INFINITY;
+		}
+		best = fmin(best, now(clock) - start);
+	}
+	return best;
+}
+
+static void measure_writing(const format *f, const scan *cloud, const char *folder)
+{
+	char path[PATH], name[64];
+	struct stat info;
+	const format *found = NULL;
+	snprintf(name, sizeof name, "cloud.%s", f->name);
+	in_folder(path, folder, name);
+	double seconds = best_of_writing(f, cloud, path, CLOCK_PROCESS_CPUTIME_ID);
+	double wall = best_of_writing(f, cloud, path, CLOCK_MONOTONIC);
+	if (isfinite(seconds) && isfinite(wall) && stat(path, &info) == 0) {
+		double megabytes = 1e-6 * (double)info.st_size;
+		printf("| %s | %.0f |", f->name, megabytes);
+		print_speed((result){ seconds, cloud->count }, megabytes);
+		print_speed((result){ wall, cloud->count }, megabytes);
+		print_speed(load_here(path, 1, &found), megabytes);
+		printf("\n");
+	}
+	unlink(path);
+}
+
+static int table_of_writing(size_t points)
+{
+	char made[] = "/tmp/bench_formats.XXXXXX";
+	const char *folder = mkdtemp(made);
+	gw_error error = { 0 };
+	scan cloud;
+	if (!folder || make_cloud(points, &cloud, &error) != GW_OK)
+		return 1;
+	printf("| format | MB | written, by the processor | written, by the clock | read, one thread "
+		   "|\n|---|---|---|---|---|\n");
+	for (size_t f = 0; formats[f]; f++)
+		if (formats[f]->write && formats[f]->read)
+			measure_writing(formats[f], &cloud, folder);
+	scan_clear(&cloud);
+	rmdir(folder);
+	return 0;
+}
+
 int main(int count, char **arguments)
 {
+	if (count > 2 && strcmp(arguments[1], "--writing") == 0)
+		return table_of_writing(strtoul(arguments[2], NULL, 10));
 	char made[] = "/tmp/bench_formats.XXXXXX";
 	gw_error error = { 0 };
 	size_t points = strtoul(count > 2   ? arguments[2]

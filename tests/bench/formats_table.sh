@@ -4,7 +4,8 @@
 #   formats_table.sh BUILD PAGE [POINTS [FILE...]]     POINTS of each cloud, 2000000 unless said
 #
 # Scans as E57 and PTX come from make_cave; FILEs are measured too, such as a survey as LAZ.
-# The table stands in PAGE between the lines `<!-- table -->` and `<!-- end of table -->`.
+# The table stands in PAGE between the lines `<!-- table -->` and `<!-- end of table -->`, and that of
+# writing between `<!-- writing -->` and `<!-- end of writing -->`.
 set -eu
 build=$1
 page=$2
@@ -27,6 +28,10 @@ done
 	processor=$(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -n 1)
 	echo "Measured on $processor with others running, load $(cut -d ' ' -f 1 /proc/loadavg)."
 	echo
-	sed -n '/^<!-- end of table -->$/,$p' "$page"
+	sed -n '/^<!-- end of table -->$/,/^<!-- writing -->$/p' "$page"
+	echo
+	"$build/tests/bench/bench_formats" --writing "$points"
+	echo
+	sed -n '/^<!-- end of writing -->$/,$p' "$page"
 } >"$folder/page.new"
 cp "$folder/page.new" "$page"
