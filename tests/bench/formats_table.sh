@@ -4,7 +4,7 @@
 #   formats_table.sh BUILD PAGE [POINTS [FILE...]]     POINTS of each cloud, 2000000 unless said
 #
 # Scans as E57 and PTX come from make_cave; FILEs are measured too, such as a survey as LAZ.
-# The table stands in PAGE between the lines `<!-- table -->` and `<!-- end of table -->`, and that of
+# The table stands in PAGE between the lines `<!-- table -->` and `<!-- end of table -->`, that of
 # writing between `<!-- writing -->` and `<!-- end of writing -->`.
 set -eu
 build=$1
