@@ -5,8 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define DEPTH 21    /* bits of a place along an axis: three fill a key */
-#define CELL_BITS 7 /* of a place in a node, of which it holds one point */
+#define DEPTH 21     /* bits of a place along an axis: three fill a key */
+#define DIGIT_BITS 9 /* by which keys are sorted */
+#define CELL_BITS 7  /* of a place in a node, of which it holds one point */
 
 /* Up to this many points are one node; fewer than these are no node by themselves. */
 #define NODE_POINTS 25000
@@ -80,12 +81,30 @@ static uint64_t find_key(const copc_tree *tree, const las_records *records, size
 	return key;
 }
 
-static int compare(const void *a, const void *b)
+/* One digit of the keys, in order; points of the same digit stay as they are. */
+static void sort_by_digit(const item *from, item *to, size_t count, int shift)
 {
-	const item *one = a, *other = b;
-	if (one->key != other->key)
-		return one->key < other->key ? -1 : 1;
-	return (one->index > other->index) - (one->index < other->index);
+	size_t start[1 << DIGIT_BITS] = { 0 }, sum = 0;
+	for (size_t i = 0; i < count; i++)
+		start[from[i].key >> shift & ((1 << DIGIT_BITS) - 1)]++;
+	for (size_t d = 0; d < 1 << DIGIT_BITS; d++) {
+		size_t of_digit = start[d];
+		start[d] = sum;
+		sum += of_digit;
+	}
+	for (size_t i = 0; i < count; i++)
+		to[start[from[i].key >> shift & ((1 << DIGIT_BITS) - 1)]++] = from[i];
+}
+
+/* By key, the lowest digit first; then by index, as they are. */
+static void sort_items(growing *g, size_t count)
+{
+	for (int shift = 0; shift < 3 * DEPTH; shift += DIGIT_BITS) {
+		sort_by_digit(g->items, g->spare, count, shift);
+		item *sorted = g->spare;
+		g->spare = g->items;
+		g->items = sorted;
+	}
 }
 
 /* ------------------------------------------------------------------------------------- nodes */
@@ -197,7 +216,7 @@ static gw_status grow(growing *g, const las_records *records)
 		return fail_memory(g->name, g->error);
 	for (size_t i = 0; i < count; i++)
 		g->items[i] = (item){ find_key(tree, records, i), i };
-	qsort(g->items, count, sizeof *g->items, compare);
+	sort_items(g, count);
 	if (count > 0)
 		GW_TRY(add_node(g, 0, 0, count));
 	for (size_t n = 0; n < tree->node_count; n++)

@@ -47,7 +47,7 @@ gw_status laz_write(output_file *out, const scan *cloud, gw_error *error);
 
 /* COPC 1.0: LAZ whose chunks are nodes of an octree, each a thinned cloud of what its cube holds
  * (copc_tree.h), so that a viewer loads what it shows. The points' order is the nodes'. Formats 6
- * to 8 only. Memory holds the compressed file, and 50 bytes a point beside it. */
+ * to 8 only. Memory holds the compressed file, and some 40 bytes a point beside it. */
 gw_status copc_write(output_file *out, const scan *cloud, gw_error *error);
 
 #endif
