@@ -167,6 +167,22 @@ static void output_of_many_sizes(void **state)
 	files_in_folder(true);
 }
 
+/* Bytes that are still in the buffer, and some that are with the system. */
+static void output_is_patched(void **state)
+{
+	(void)state;
+	output_file *out;
+	assert_int_equal(output_file_create(&out, in_folder("a"), true, NULL), GW_OK);
+	output_file_write(out, "0123456789", 10, NULL);
+	assert_int_equal(output_file_patch(out, 2, "xyz", 3, NULL), GW_OK);
+	output_file_write(out, "abc", 3, NULL);
+	assert_int_equal(output_file_patch(out, 0, "-", 1, NULL), GW_OK);
+	output_file_write(out, "d", 1, NULL);
+	assert_int_equal(output_file_commit(&out, NULL), GW_OK);
+	assert_content(in_folder("a"), "-1xyz56789abcd");
+	unlink(in_folder("a"));
+}
+
 static void output_abandoned_leaves_nothing(void **state)
 {
 	(void)state;
@@ -573,6 +589,7 @@ int main(void)
 		cmocka_unit_test(input_that_cannot_be_mapped),
 		cmocka_unit_test(output_appears_when_whole),
 		cmocka_unit_test(output_of_many_sizes),
+		cmocka_unit_test(output_is_patched),
 		cmocka_unit_test(output_abandoned_leaves_nothing),
 		cmocka_unit_test(output_overwrites_only_by_force),
 		cmocka_unit_test(output_does_not_win_a_race),
