@@ -239,7 +239,8 @@ static void next_pointwise(laz_points *p, uint8_t *record)
 /* Notes whether some bytes are not as before. Returns whether their layer has values. */
 static bool has_values(laz_coder *layer, const uint8_t *place, const uint8_t *next, size_t size)
 {
-	layer->changed = layer->changed || memcmp(place, next, size) != 0;
+	if (layer->encodes && !layer->changed)
+		layer->changed = memcmp(place, next, size) != 0;
 	return laz_coder_has_values(layer);
 }
 
