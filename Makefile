@@ -53,7 +53,7 @@ CFLAGS   += -std=c17 -D_GNU_SOURCE $(OPT) $(WARN_C) -fPIC -pthread -ffp-contract
 CXXFLAGS += -std=c++17 -D_GNU_SOURCE -D_GLIBCXX_ASSERTIONS $(OPT) $(WARN) -fPIC -pthread -ffp-contract=off $(INCLUDE) \
             -isystem /usr/include/pcl-1.13 -isystem /usr/include/eigen3 -isystem /usr/include/OpenEXR -isystem /usr/include/Imath
 LDFLAGS  += $(OPT) -pthread -Wl,--as-needed -Wl,-z,relro,-z,now,-z,noexecstack
-LDLIBS   += -lvulkan -llz4 -ljansson -lexpat -llzf -lpng -lOpenEXRCore -lOpenEXR -lm
+LDLIBS   += -lvulkan -llz4 -ljansson -lexpat -llzf -lpng -lz -lOpenEXRCore -lOpenEXR -lm
 
 comma    := ,
 
@@ -203,6 +203,19 @@ $(SHADER_BUILD)/shader_list.inc: FORCE
 		printf '\t{ "%s", shader_%s, sizeof shader_%s / 4 },\n' $$shader $$shader $$shader; \
 	done; echo '};'; } > $@.new
 	@cmp -s $@.new $@ && rm $@.new || mv $@.new $@
+
+# The document, style and program of a page become bytes that cli/page/page_file.c includes.
+PAGE_PROGRAM := $(addprefix cli/page/page_,points.js camera.js draw.js panel.js main.js)
+PAGE_PARTS   := $(addprefix $(BUILD)/page/page.,html.inc css.inc js.inc)
+$(BUILD)/page/page.html.inc: cli/page/page.html
+$(BUILD)/page/page.css.inc: cli/page/page.css
+$(BUILD)/page/page.js.inc: $(PAGE_PROGRAM)
+$(PAGE_PARTS):
+	@mkdir -p $(@D)
+	@cat $^ | od -An -v -tx1 | sed -e 's/ \(..\)/0x\1,/g' >$@.new
+	@mv $@.new $@
+
+$(BUILD)/cli/page/page_file.o: $(PAGE_PARTS)
 
 $(BUILD)/lib/device/shaders.o: $(SPIRV) $(SHADER_BUILD)/shader_list.inc
 

@@ -5,6 +5,7 @@
 #include "files/number_text.h"
 #include "options/options.h"
 #include "options/scanner_text.h"
+#include "program/words.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -334,6 +335,33 @@ static gw_status set_gain(settings *s, const char *text, bool group, gw_error *e
 	return settings_add_gain(s, &gain, error);
 }
 
+/* A set-up's name, then a gain a word. */
+static gw_status set_setup(settings *s, const char *text, gw_error *error)
+{
+	const char *colon = strchr(text, ':');
+	char word[WORD_MAX];
+	if (!colon || colon == text || !colon[1 + strspn(colon + 1, " ")])
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "is '%.80s', but must be 'NAME: LAMP=FACTOR LAMP=FACTOR ...'", text);
+	const char *name = settings_keep(s, text, error);
+	if (!name)
+		return GW_ERROR_MEMORY;
+	s->text[s->text_count - 1][colon - text] = '\0';
+	for (const char *at = colon + 1; at[strspn(at, " ")];) {
+		at += strspn(at, " ");
+		size_t length = strcspn(at, " ");
+		if (length >= sizeof word)
+			return gw_fail(error, GW_ERROR_USAGE, "has a word of more than %zu bytes",
+						   sizeof word - 1);
+		memcpy(word, at, length);
+		word[length] = '\0';
+		GW_TRY(set_gain(s, word, false, error));
+		s->gain[s->gain_count - 1].setup = name;
+		at += length;
+	}
+	return GW_OK;
+}
+
 gw_status option_set(const option *o, settings *s, const char *text, gw_error *error)
 {
 	lamp light;
@@ -369,6 +397,10 @@ gw_status option_set(const option *o, settings *s, const char *text, gw_error *e
 		return set_gain(s, text, false, error);
 	case OPTION_GROUP:
 		return set_gain(s, text, true, error);
+	case OPTION_SETUP:
+		return set_setup(s, text, error);
+	case OPTION_CAMERA:
+		return settings_add_view(s, text, error);
 	case OPTION_ALBEDO:
 		return set_albedo(o, s, text, error);
 	case OPTION_FIELDS:

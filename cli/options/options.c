@@ -239,6 +239,7 @@ enum {
 	MEASURE = 1u << VERB_MEASURE,
 	PROBES = 1u << VERB_PROBES,
 	METHODS = 1u << VERB_METHODS,
+	PAGE = 1u << VERB_PAGE,
 	EVERY_VERB = (1u << VERB_COUNT) - 1
 };
 
@@ -274,8 +275,9 @@ const option options[] = {
 	  .help = "how exactly LAS, LAZ and COPC keep the columns of light: as they are, or rounded to "
 			  "the 11 bits of a half float, up to 0.05 % off, of which LAZ is smaller" },
 	{ "force", 'f', NULL, OPTION_FLAG, QUIETLY,
-	  FOR(BAKE | SAMPLE | COMPARE | TRADEOFF | MIX | CONVERT | RENDER | ALBEDO | LAMP | PROBES),
-	  OFTEN(BAKE | SAMPLE | MIX | CONVERT | RENDER | ALBEDO | PROBES | COMPARE), AT(force),
+	  FOR(BAKE | SAMPLE | COMPARE | TRADEOFF | MIX | CONVERT | RENDER | ALBEDO | LAMP | PROBES |
+		  PAGE),
+	  OFTEN(BAKE | SAMPLE | MIX | CONVERT | RENDER | ALBEDO | PROBES | COMPARE | PAGE), AT(force),
 	  .group = "Output", .help = "overwrite files that exist" },
 	{ "resume", 0, NULL, OPTION_FLAG, QUIETLY, FOR(BAKE), OFTEN(BAKE), AT(resume),
 	  .group = "Output",
@@ -380,6 +382,18 @@ const option options[] = {
 			  "be given many times; the name rest is all light that belongs to no lamp" },
 	{ "group", 0, "NAME=FACTOR", OPTION_GROUP, FOR(MIX), OFTEN(MIX), .group = "Lamps",
 	  .help = "the same for all lamps of a group" },
+	{ "setup", 0, "NAME: LAMP=FACTOR ...", OPTION_SETUP, FOR(PAGE), OFTEN(PAGE), .group = "Lamps",
+	  .help = "put a button on the page that makes lamps so many times as strong as they were "
+			  "baked, and all others as strong as they were: 'evening: sun=0 hall=0.3 "
+			  "torch=1,0.6,0.3'. Groups go by their names, and all by *. May be given many times" },
+	{ "output", 'o', "FILE", OPTION_TEXT, QUIETLY, FOR(PAGE), OFTEN(PAGE), AT(output),
+	  .group = "Output", .help = "write the page there; - is standard output" },
+	{ "points", 0, "N", OPTION_COUNT, FOR(PAGE), OFTEN(PAGE), AT(page_points), RANGE(1.0, 16e6),
+	  .group = "Output",
+	  .help = "show at most so many points, spread evenly over the cloud, by wider discs; a page "
+			  "has some 20 bytes a point and 5 for each lamp" },
+	{ "title", 0, "TEXT", OPTION_TEXT, FOR(PAGE), OFTEN(PAGE), AT(title), .group = "Output",
+	  .help = "what the page is called; the input's name otherwise" },
 	{ "output", 'o', "FILE", OPTION_TEXT, QUIETLY, FOR(LAMP), AT(output), .group = "Output",
 	  .help = "draw its light there as a polar picture, PNG or EXR by the name's extension" },
 	{ "output", 'o', "FILE", OPTION_TEXT, QUIETLY, FOR(RENDER), OFTEN(RENDER), AT(output),
@@ -393,11 +407,11 @@ const option options[] = {
 	{ "background", 0, "COLOR", OPTION_TEXT, FOR(RENDER), AT(render.background), .group = "Output",
 	  .help =
 		  "behind the points: R,G,B or one number, linear, 0 to 1; none leaves it transparent" },
-	{ "exposure", 0, "EV", OPTION_REAL, FOR(RENDER), OFTEN(RENDER), AT(exposure),
+	{ "exposure", 0, "EV", OPTION_REAL, FOR(RENDER | PAGE), OFTEN(RENDER), AT(exposure),
 	  RANGE(-100.0, 100.0), AUTOMATIC(NAN), .group = "Output",
 	  .help = "as a camera's exposure value at ISO 100: a larger one is darker; auto meters what "
 			  "is in view" },
-	{ "tone", 0, NULL, OPTION_CHOICE, FOR(RENDER), AT(render.tone), .choice = tone_name,
+	{ "tone", 0, NULL, OPTION_CHOICE, FOR(RENDER | PAGE), AT(render.tone), .choice = tone_name,
 	  .group = "Output", .help = "how light is fitted into the range of a screen" },
 	{ "false-colour", 0, NULL, OPTION_FLAG, FOR(RENDER), OFTEN(RENDER), AT(render.false_color),
 	  .group = "Output", .help = "show the luminance by colours, with a scale" },
@@ -415,6 +429,10 @@ const option options[] = {
 	  .group = "Camera",
 	  .help = "'at X,Y,Z to X,Y,Z fov DEGREES': where it stands, where it looks, and its vertical "
 			  "angle of view; or auto, inside or outside, which choose a place" },
+	{ "camera", 'c', "CAMERA", OPTION_CAMERA, FOR(PAGE), OFTEN(PAGE), .group = "Camera",
+	  .help = "'NAME: at X,Y,Z to X,Y,Z fov DEGREES', or the same without a name: a button that "
+			  "shows the cloud from there, beside that of the camera that is chosen "
+			  "automatically; or auto, inside or outside. May be given many times" },
 	{ "orbit", 0, "N", OPTION_COUNT, FOR(RENDER), OFTEN(RENDER), AT(render.orbit),
 	  RANGE(1.0, 10000.0), .group = "Camera",
 	  .help = "make N pictures all around what the camera looks at; a camera that was placed "
@@ -506,15 +524,16 @@ const option options[] = {
 	{ "input-gamma", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | TRADEOFF | RENDER | ALBEDO | PROBES),
 	  .scene = true, AT(gamma), .choice = gamma_name, .group = "Scene",
 	  .help = "how the input's colours are encoded" },
-	{ "up", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | INFO | TRADEOFF | RENDER | ALBEDO | PROBES),
-	  OFTEN(BAKE | RENDER), .scene = true, AT(up), .choice = up_name, .group = "Scene",
+	{ "up", 0, NULL, OPTION_CHOICE,
+	  FOR(BAKE | PLAN | INFO | TRADEOFF | RENDER | ALBEDO | PROBES | PAGE), OFTEN(BAKE | RENDER),
+	  .scene = true, AT(up), .choice = up_name, .group = "Scene",
 	  .help =
 		  "which axis points up, for suns with azimuth and elevation, for floor and cameras; -y is "
 		  "that "
 		  "of a depth camera's own frame; auto asks the format and, where that does not say, takes "
 		  "z, or y if the points stand on it" },
 	{ "units", 0, NULL, OPTION_CHOICE,
-	  FOR(BAKE | PLAN | INFO | TRADEOFF | RENDER | ALBEDO | PROBES), OFTEN(BAKE | ALBEDO),
+	  FOR(BAKE | PLAN | INFO | TRADEOFF | RENDER | ALBEDO | PROBES | PAGE), OFTEN(BAKE | ALBEDO),
 	  .scene = true, AT(length), .choice = length_name, .group = "Scene",
 	  .help =
 		  "what the coordinates are in, and with them the places of lamps and cameras; auto "
@@ -526,11 +545,13 @@ const option options[] = {
 			  "noise: light lights them like the nearest surface, of which they are no part; keep "
 			  "takes them for surface; drop also leaves them out of the result" },
 	{ "format", 0, NULL, OPTION_TEXT,
-	  FOR(BAKE | PLAN | INFO | COMPARE | TRADEOFF | MIX | CONVERT | RENDER | ALBEDO | PROBES),
+	  FOR(BAKE | PLAN | INFO | COMPARE | TRADEOFF | MIX | CONVERT | RENDER | ALBEDO | PROBES |
+		  PAGE),
 	  OFTEN(CONVERT), AT(format), .choice = format_read_name, .group = "Scene",
 	  .help = "read the inputs as this format, whatever they look like" },
 	{ "columns", 0, "LIST", OPTION_TEXT,
-	  FOR(BAKE | PLAN | INFO | COMPARE | TRADEOFF | MIX | CONVERT | RENDER | ALBEDO | PROBES),
+	  FOR(BAKE | PLAN | INFO | COMPARE | TRADEOFF | MIX | CONVERT | RENDER | ALBEDO | PROBES |
+		  PAGE),
 	  OFTEN(CONVERT), AT(columns), .group = "Scene",
 	  .help = "names for the columns of inputs that are tables of text, with commas between them, "
 			  "x, y and z among them; - leaves one out" },
@@ -673,8 +694,8 @@ const option options[] = {
 			  "whichever frames are asked for" },
 
 	{ "threads", 'j', "N", OPTION_COUNT, QUIETLY,
-	  FOR(BAKE | PLAN | SAMPLE | INFO | COMPARE | TRADEOFF | MIX | CONVERT | RENDER | DOCTOR |
-		  ALBEDO | PROBES),
+	  FOR(BAKE | PLAN | SAMPLE | INFO | COMPARE | TRADEOFF | MIX | CONVERT | RENDER | PAGE |
+		  DOCTOR | ALBEDO | PROBES),
 	  .scene = true, AT(bake.threads), RANGE(1.0, 256.0), AUTOMATIC(0.0), .group = "Machine",
 	  .help = "that work; auto is one a core. The result is the same for any number" },
 	{ "memory", 0, "SIZE", OPTION_SIZE, QUIETLY,
@@ -727,8 +748,9 @@ const option options[] = {
 	  .help = "print JSON, one object a line" },
 	{ "json", 0, NULL, OPTION_FLAG, QUIETLY, FOR(DOCTOR | PLAN | LAMP | MEASURE | METHODS),
 	  OFTEN(PLAN), AT(json), .group = "Messages", .help = "print JSON" },
-	{ "progress", 0, NULL, OPTION_CHOICE, QUIETLY, FOR(BAKE | PLAN | TRADEOFF | RENDER | PROBES),
-	  AT(progress), .choice = progress_name, .group = "Messages",
+	{ "progress", 0, NULL, OPTION_CHOICE, QUIETLY,
+	  FOR(BAKE | PLAN | TRADEOFF | RENDER | PROBES | PAGE), AT(progress), .choice = progress_name,
+	  .group = "Messages",
 	  .help = "auto shows it on a terminal; json writes one object a line to standard error" },
 	{ "explain", 0, NULL, OPTION_FLAG, QUIETLY, FOR(BAKE), AT(explain), .group = "Messages",
 	  .help = "say which effects the scene calls for, why, and what the bake will take; and in the "
@@ -741,8 +763,8 @@ const option options[] = {
 	{ "print-scene", 0, NULL, OPTION_FLAG, QUIETLY, FOR(BAKE), AT(print_scene), .group = "Messages",
 	  .help = "print the scene with all values in effect, as a scene file, and stop" },
 	{ "quiet", 'q', NULL, OPTION_FLAG, QUIETLY,
-	  FOR(BAKE | PLAN | SAMPLE | TRADEOFF | MIX | CONVERT | RENDER | ALBEDO | PROBES), AT(quiet),
-	  .group = "Messages", .help = "print errors only" },
+	  FOR(BAKE | PLAN | SAMPLE | TRADEOFF | MIX | CONVERT | RENDER | ALBEDO | PROBES | PAGE),
+	  AT(quiet), .group = "Messages", .help = "print errors only" },
 	{ "verbose", 'v', NULL, OPTION_FLAG, QUIETLY, FOR(BAKE | SAMPLE | RENDER), AT(verbose),
 	  .group = "Messages", .help = "say what was read, made and written" },
 	{ "help", 'h', NULL, OPTION_FLAG, QUIETLY, FOR(EVERY_VERB), AT(help), .group = "Messages",
@@ -764,7 +786,7 @@ const option *option_find(verb v, const char *name, size_t length)
 bool option_repeats(const option *o)
 {
 	return o->type == OPTION_LIGHT || o->type == OPTION_GAIN || o->type == OPTION_GROUP ||
-		   o->type == OPTION_SCANNER;
+		   o->type == OPTION_SETUP || o->type == OPTION_CAMERA || o->type == OPTION_SCANNER;
 }
 
 void option_key(const option *o, char key[64])
@@ -790,10 +812,10 @@ const option *option_find_key(const char *key)
 
 const char *verb_name(int v)
 {
-	static const char *const name[] = { "bake",     "plan",   "info",    "compare",
-										"mix",      "sample", "convert", "render",
-										"tradeoff", "albedo", "doctor",  "lamp",
-										"measure",  "probes", "methods", NULL };
+	static const char *const name[] = { "bake",   "plan",    "info",    "compare",  "mix",
+										"sample", "convert", "render",  "tradeoff", "albedo",
+										"doctor", "lamp",    "measure", "probes",   "methods",
+										"page",   NULL };
 	static_assert(sizeof name / sizeof *name == VERB_COUNT + 1, "every verb has a name");
 	return name[v];
 }
@@ -814,7 +836,8 @@ const char *verb_summary(verb v)
 										   "show how a luminaire shines, or list lamps by name",
 										   "read the light on a piece of surface",
 										   "place radiance probes, and write what they see",
-										   "list the ways in which light is gathered" };
+										   "list the ways in which light is gathered",
+										   "write a page on which lamps can be dimmed" };
 	return summary[v];
 }
 
@@ -835,7 +858,8 @@ const char *verb_synopsis(verb v)
 		"lamp [LUMINAIRE] [-o PICTURE] [--json]",
 		"measure LIT [--box BOX] [--path PLACES] [option]...",
 		"probes INPUT... --light LIGHT... -o ATLAS [--json FILE] [option]...",
-		"methods [--json]"
+		"methods [--json]",
+		"page LIT -o PAGE.html [option]..."
 	};
 	return synopsis[v];
 }
@@ -853,7 +877,7 @@ int verb_group(verb v)
 		[VERB_BAKE] = 0,     [VERB_PLAN] = 3,   [VERB_INFO] = 2,    [VERB_COMPARE] = 4,
 		[VERB_MIX] = 0,      [VERB_SAMPLE] = 2, [VERB_CONVERT] = 2, [VERB_RENDER] = 1,
 		[VERB_TRADEOFF] = 4, [VERB_ALBEDO] = 3, [VERB_DOCTOR] = 4,  [VERB_LAMP] = 3,
-		[VERB_MEASURE] = 1,  [VERB_PROBES] = 0, [VERB_METHODS] = 4
+		[VERB_MEASURE] = 1,  [VERB_PROBES] = 0, [VERB_METHODS] = 4, [VERB_PAGE] = 1
 	};
 	static_assert(sizeof group / sizeof *group == VERB_COUNT, "every verb has a group");
 	return group[v];
@@ -890,7 +914,11 @@ const char *verb_examples(verb v)
 		[VERB_MEASURE] = "glowworm measure lit.ply --path '1,2,0 4,2,0' --reach 0.5",
 		[VERB_PROBES] =
 			"glowworm probes cave.scene.json --count 64 -o atlas.exr --json probes.json",
-		[VERB_METHODS] = "glowworm methods"
+		[VERB_METHODS] = "glowworm methods",
+		[VERB_PAGE] =
+			"glowworm page lit.ply -o page.html\n"
+			"glowworm page lit.ply --setup 'evening: sky=0.05 lamp=1' --title 'The hall' \\\n"
+			"      --camera 'entrance: at 4,0,1.6 to 0,0,1.2 fov 60' -o hall.html"
 	};
 	static_assert(sizeof examples / sizeof *examples == VERB_COUNT, "every verb has an example");
 	return examples[v];

@@ -23,6 +23,8 @@ typedef enum option_type {
 	OPTION_SCANNER, /* X,Y,Z or @FILE, added to the scanners */
 	OPTION_GAIN,    /* NAME=FACTOR, added to the gains */
 	OPTION_GROUP,   /* the same for a group of lamps */
+	OPTION_SETUP,   /* NAME: LAMP=FACTOR ..., added to the gains */
+	OPTION_CAMERA,  /* a camera, added to those of a page */
 	OPTION_FIELDS,  /* uint32_t, 1 << choice, a list with commas */
 	OPTION_EFFECTS, /* a settings_effects, and those of bake: auto, all, NAME, +NAME, -NAME */
 } option_type;

@@ -36,6 +36,7 @@ settings settings_default(void)
 				   .count = 1000000,
 				   .exposure = NAN,
 				   .worst_count = 1000,
+				   .page_points = 2000000,
 				   .max_rel_rmse = NAN,
 				   .max_best_99 = NAN,
 				   .max_bias = NAN,
@@ -86,6 +87,7 @@ void settings_clear(settings *s)
 	free(s->luminaire);
 	free(s->scanner);
 	free(s->gain);
+	free(s->view);
 	free(s->text);
 	free(s->command);
 	*s = settings_default();
@@ -191,6 +193,18 @@ gw_status settings_add_gain(settings *s, const settings_gain *gain, gw_error *er
 	s->gain = grown;
 	s->gain[s->gain_count++] = *gain;
 	return GW_OK;
+}
+
+gw_status settings_add_view(settings *s, const char *text, gw_error *error)
+{
+	const char **grown = growing_table_room(s->view, s->view_count, sizeof *grown);
+	if (!grown)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the list of cameras");
+	s->view = grown;
+	const char *kept = settings_keep(s, text, error);
+	if (kept)
+		s->view[s->view_count++] = kept;
+	return kept ? GW_OK : GW_ERROR_MEMORY;
 }
 
 const char *settings_keep(settings *s, const char *text, gw_error *error)

@@ -25,6 +25,7 @@ typedef enum verb {
 	VERB_MEASURE,
 	VERB_PROBES,
 	VERB_METHODS,
+	VERB_PAGE,
 	VERB_COUNT,
 } verb;
 
@@ -143,6 +144,7 @@ typedef struct settings_gain {
 	const char *name; /* of the lamp, or "rest"; or of a group */
 	float factor[3];
 	bool group;
+	const char *setup; /* of page: the set-up that it belongs to; NULL: of mix */
 } settings_gain;
 /* What a picture shows. */
 typedef enum settings_view {
@@ -260,17 +262,21 @@ typedef struct settings {
 		devices;
 	bool places, stats; /* of info */
 	bool help;
-	const char *csv, *svg;                     /* of tradeoff */
-	gw_probes_options probes;                  /* but for their seed, which is that of the bake */
-	const char *worst, *json_file;             /* of compare, and of probes */
-	const char *picture;                       /* of probes */
-	uint32_t worst_count;                      /* points that worst holds */
+	const char *csv, *svg;         /* of tradeoff */
+	gw_probes_options probes;      /* but for their seed, which is that of the bake */
+	const char *worst, *json_file; /* of compare, and of probes */
+	const char *picture;           /* of probes */
+	uint32_t worst_count;          /* points that worst holds */
+	uint32_t page_points;          /* points that a page shows at most */
+	const char *title;             /* of a page; NULL: its input's name */
+	const char **view;             /* owned; view_count cameras of a page, as given */
+	size_t view_count;
 	float max_rel_rmse, max_best_99, max_bias; /* limits; NAN: none */
 	const char *region;                        /* of bake, as given; NULL: all */
 	uint32_t tiles;                            /* of a cloud, at least; 0: it has none */
 	const char *measure_box, *measure_path;    /* as given; NULL: everywhere */
 	float measure_reach;                       /* from that path, metres */
-	settings_gain *gain;                       /* owned; of mix */
+	settings_gain *gain;                       /* owned; of mix and page */
 	size_t gain_count;
 	uint8_t given[SETTINGS_OPTIONS]; /* by index in options[]: a settings_source */
 	char *command; /* owned; the command line, without what cannot change the points */
@@ -310,6 +316,9 @@ void settings_set_scanner_none(settings *settings);
 gw_status settings_add_path(settings *settings, motion_path *path, size_t *number, gw_error *error);
 
 gw_status settings_add_gain(settings *settings, const settings_gain *gain, gw_error *error);
+
+/* Adds a camera of a page; text is kept by settings_keep. */
+gw_status settings_add_view(settings *settings, const char *text, gw_error *error);
 
 /* Keeps a copy of a text until settings_clear; NULL when memory is short. */
 const char *settings_keep(settings *settings, const char *text, gw_error *error);

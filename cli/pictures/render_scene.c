@@ -148,6 +148,19 @@ static uint32_t *count_points(const gw_surfels *s)
 	return points;
 }
 
+gw_status render_scene_means(const gw_surfels *s, const scan_column *const column[3], float *to,
+							 gw_error *error)
+{
+	const scan_column *of[3] = { column[0], column[1], column[2] };
+	uint32_t *points = count_points(s);
+	if (!points)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the light of %zu points", s->count);
+	memset(to, 0, s->count * sizeof(float[3]));
+	average_columns(s, of, RENDER_RADIANCE, points, to, 3);
+	free(points);
+	return GW_OK;
+}
+
 static gw_status fill_channels(render_scene *scene, const scan *cloud, gw_error *error)
 {
 	const gw_surfels *s = &scene->surfels;

@@ -89,4 +89,13 @@ gw_status render_scene_make(const settings *settings, loaded_scene *loaded,
 							const render_scene_wish *wish, render_scene *scene, gw_error *error);
 void render_scene_clear(render_scene *scene);
 
+/*
+ * The means of three columns over the points that each surfel stands for; what is not finite, or
+ * below 0, counts as 0.
+ *   to   receives 3 * surfels->count
+ * Fails with GW_ERROR_MEMORY.
+ */
+gw_status render_scene_means(const gw_surfels *surfels, const scan_column *const column[3],
+							 float *to, gw_error *error);
+
 #endif

@@ -90,9 +90,8 @@ bool lit_lamp_is_meant(const lit_lamp *of, const settings_gain *gain)
 		return true;
 	if (length == 0)
 		return false;
-	return gain->group
-			   ? strlen(gain->name) == length && strncmp(of->name, gain->name, length) == 0
-			   : strcmp(of->name + length + 1, gain->name) == 0;
+	return gain->group ? strlen(gain->name) == length && strncmp(of->name, gain->name, length) == 0
+					   : strcmp(of->name + length + 1, gain->name) == 0;
 }
 
 /* Adds a name to a list of those that there are, unless it stands there. */

@@ -64,6 +64,8 @@ static gw_status call_verb(verb v, settings *s, gw_error *error)
 		return verb_probes(s, error);
 	case VERB_METHODS:
 		return verb_methods(s, error);
+	case VERB_PAGE:
+		return verb_page(s, error);
 	case VERB_COUNT:
 		break;
 	}

@@ -51,6 +51,7 @@ gw_status verb_probes(settings *settings, gw_error *error);
 
 /* Prints the ways in which light between surfaces is gathered. */
 gw_status verb_methods(const settings *settings, gw_error *error);
+gw_status verb_page(const settings *settings, gw_error *error);
 
 /* Reads one file and writes another. */
 gw_status verb_convert(const settings *settings, gw_error *error);

@@ -11,7 +11,7 @@ declare -A rooms=(
 	[lib]="base device cloud normals surfels octree light estimate picture bake"
 	[formats]="files points ply text pcd e57 las units meshes panoramas luminaires grids \
 pictures table"
-	[cli]="program lamps options scene result pictures comparison verbs"
+	[cli]="program lamps options scene result pictures page comparison verbs"
 	[shaders]="base device octree light picture"
 )
 

@@ -82,9 +82,9 @@ static void lamps_add_up(void **state)
 {
 	(void)state;
 	scan cloud = make_cloud();
-	const settings_gain gain[] = { { "a_b", { 2, 0, 1 }, false },
-								   { "r", { 3, 3, 3 }, false },
-								   { "r", { 0.5f, 0.5f, 0.5f }, false } };
+	const settings_gain gain[] = { { "a_b", { 2, 0, 1 }, false, NULL },
+								   { "r", { 3, 3, 3 }, false, NULL },
+								   { "r", { 0.5f, 0.5f, 0.5f }, false, NULL } };
 	const double factor[3][3] = { { 2, 0, 1 }, { 1.5, 1.5, 1.5 }, { 1, 1, 1 } };
 	float *radiance;
 	gw_error error = { 0 };
@@ -120,8 +120,9 @@ static void mixes_can_be_undone(void **state)
 	(void)state;
 	scan cloud = make_cloud();
 	float *first, *second, *third;
-	const settings_gain same = { "r", { 1, 1, 1 }, false }, twice = { "r", { 2, 2, 2 }, false },
-						half = { "r", { 0.5f, 0.5f, 0.5f }, false };
+	const settings_gain same = { "r", { 1, 1, 1 }, false, NULL },
+						twice = { "r", { 2, 2, 2 }, false, NULL },
+						half = { "r", { 0.5f, 0.5f, 0.5f }, false, NULL };
 	assert_int_equal(mix_all(&cloud, &same, 1, &first, NULL), GW_OK);
 	assert_int_equal(mix_all(&cloud, &twice, 1, &second, NULL), GW_OK);
 	assert_int_equal(mix_all(&cloud, &half, 1, &third, NULL), GW_OK);
@@ -135,7 +136,7 @@ static void mixes_can_be_undone(void **state)
 
 static void assert_refused(scan *cloud, const char *name, gw_status status, const char *part)
 {
-	const settings_gain gain = { name, { 1, 1, 1 }, false };
+	const settings_gain gain = { name, { 1, 1, 1 }, false, NULL };
 	float *radiance;
 	gw_error error = { 0 };
 	assert_int_equal(mix_all(cloud, &gain, 1, &radiance, &error), status);

@@ -1,0 +1,137 @@
+# A page in a browser: the light that it adds up against the points' columns and against `mix`, its
+# picture against that of `render`; sliders, set-ups, keys, what is under the pointer, few points.
+${LOOK_FOR_DEVICE:-glowworm info --devices} >/dev/null 2>&1 ||
+	{ echo "there is no Vulkan device"; exit 77; }
+. "$SOURCE/tests/cli/shared_functions"
+make_box --scene cornell --points 12000 -o box.ply
+glowworm bake box.ply --light 'point at 0.3,0.4,0.7 intensity 60,50,40cd name warm group desk' \
+	--light 'spot at 0.7,0.6,0.9 to 0.7,0.6,0 intensity 90cd name cold' --rays 16 \
+	--estimate-points 50 --fields lights,illuminance -q -o lit.ply
+glowworm page lit.ply -o page.html --title 'A box <b>' --setup 'warm: *=0 desk=1' \
+	--setup 'dim: warm=1,0.5,0.25 cold=0.5' -c 'front: at 0.5,-1.4,0.5 to 0.5,0.5,0.5 fov 45' -q
+glowworm page lit.ply -o few.html --points 3000 -q
+glowworm mix lit.ply -g warm=1,0.5,0.25 -g cold=0.5 -q -o dim.ply
+glowworm render lit.ply -c 'at 0.5,-1.4,0.5 to 0.5,0.5,0.5 fov 45' --size 240x160 -v \
+	-o seen.png 2>seen.txt
+write_png_reader
+cat >look.py <<'END'
+import os, struct, sys
+sys.path.append(os.environ["SOURCE"] + "/tests/cli")
+import numpy
+from browser import Browser
+from png_reader import pixels
+
+def read(name):
+    """The columns of a binary PLY file."""
+    data = open(name, "rb").read()
+    head, _, body = data.partition(b"end_header\n")
+    kinds = {b"float": "<f4", b"double": "<f8", b"uchar": "u1"}
+    fields = [line.split() for line in head.splitlines() if line.startswith(b"property")]
+    return numpy.frombuffer(body, [(f[2].decode(), kinds[f[1]]) for f in fields])
+
+def triples(cloud, prefix):
+    return numpy.stack([cloud[prefix + c].astype(float) for c in "rgb"], 1)
+
+lit = read("lit.ply")
+browser = Browser(240, 160, patience=200)
+browser.open("page.html")
+print("whole", browser.wait())
+scene = browser.run("glowworm.scene")
+print(scene["title"], [lamp["column"] for lamp in scene["lamps"]],
+      [lamp["group"] for lamp in scene["lamps"]], [camera["name"] for camera in scene["cameras"]])
+
+# Which point of the file each of the page is, by the cell of its grid, or the one beside it.
+places = numpy.frombuffer(browser.bytes("glowworm.places()"), numpy.uint32).reshape(-1, 4)
+at = numpy.stack([lit[axis] for axis in "xyz"], 1).astype(float)
+cells = numpy.floor((at - scene["corner"]) / scene["step"] + 0.5).astype(int)
+known = {tuple(cell + [x, y, z]): i for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1)
+         for i, cell in enumerate(cells)}
+known.update({tuple(cell): i for i, cell in enumerate(cells)})
+which = numpy.array([known[tuple(place)] for place in places[:, :3].astype(int)])
+print("points", len(places), "of which once", len(set(which)))
+
+def check(what, prefix, cloud):
+    """RGB9E5 keeps the largest channel to 1/512 of itself at most, 0.2 %, and the others to as
+    much of that."""
+    got = numpy.frombuffer(browser.bytes("glowworm.radiance()"), numpy.float32)
+    got = got.reshape(-1, 4)[:, :3].astype(float)
+    true = triples(cloud, prefix)
+    off = numpy.sqrt(numpy.mean((got - true[which]) ** 2)) / numpy.mean(true)
+    print(what, "within 1 %" if off < 0.01 else f"is off by {100 * off:.2f} %")
+
+check("as baked", "scalar_radiance_", lit)
+
+# What is in view is metered alike, but that discs are not blended for it: 0.1 doublings are 3 % of
+# the range in mid grey. Then, at one exposure, the same discs and tone map: pictures differ where
+# discs end, within a pixel, and where one shows through between others: on less than 3 % of the
+# pixels by a tenth of the range. RGB9E5 and bytes add 1 of 255 at most.
+browser.run("glowworm.chooseCamera(1)")
+said = next(line for line in open("seen.txt") if line.startswith("exposure"))
+exposure = float(said.split()[2])
+print("exposure", abs(browser.run("glowworm.look.exposure") - exposure) < 0.1)
+browser.run(f"glowworm.look.exposure = {exposure}")
+mine = numpy.frombuffer(browser.bytes("glowworm.picture(240, 160)"), numpy.uint8)
+mine = mine.reshape(160, 240, 4)[::-1, :, :3].astype(int)
+seen = numpy.array([list(row) for row in pixels("seen.png")]).reshape(160, 240, 3)
+off = abs(mine - seen).max(2)
+print("picture", numpy.mean(off > 25) < 0.03 and numpy.mean(off) < 1, numpy.mean(seen) > 40)
+
+# A set-up's button; then the same by hand: the slider's middle is 1, half as strong lies at
+# (0.5/8)^(1/3) of it.
+press = "document.querySelectorAll('#setups button')[%d].click()"
+browser.run(press % 2)
+check("a set-up", "scalar_radiance_", read("dim.ply"))
+browser.run(press % 1)
+check("one lamp alone", "scalar_light_desk.warm_", lit)
+browser.run(press % 0)
+browser.run("""(() => { const rows = [...document.querySelectorAll('.lamp')];
+    const row = rows.find((r) => r.textContent.startsWith('cold'));
+    row.querySelector('input[type=range]').focus(); })()""")
+before = browser.run("document.activeElement.value")
+browser.key("ArrowRight")
+browser.run("new Promise(requestAnimationFrame)")
+after = browser.run("document.activeElement.value")
+print("a key moves the slider", round(float(after) - float(before), 6))
+print(browser.run("document.querySelectorAll('#setups button')[0].getAttribute('aria-pressed')"))
+print(browser.run("glowworm.panel.command()").split(" ")[:4])
+browser.run(press % 0)
+
+# Under the pointer: the point in the middle of the picture, its light, and its lamps.
+browser.run("document.getElementById('toggle').click()")
+browser.run("document.getElementById('quantity').value = 2,"
+            "document.getElementById('quantity').dispatchEvent(new Event('input'))")
+browser.mouse("mouseMoved", 120, 80)
+text = browser.run("""new Promise((done) => { const look = () => {
+    const text = document.getElementById('readout').textContent;
+    text ? done(text) : setTimeout(look, 20); }; look(); })""")
+index = browser.run("glowworm.pick(120, 80)")
+lux = float(text.split(" \u00b7 ")[2].split(" ")[0])
+true = lit["scalar_illuminance"][which[index]]
+# Three digits, RGB9E5, and an albedo of 8 bits, by its root: 2/255 of the box's 0.5 and less.
+print("under the pointer", ascii([part.split(" ")[-1] for part in text.split(" \u00b7 ")[:3]]),
+      abs(lux - true) < 0.03 * true, "warm" in text and "cold" in text)
+
+# The camera moves, and comes back.
+eye = "glowworm.camera.eye.map((x) => x.toFixed(4)).join()"
+browser.run("document.getElementById('view').focus()")
+home = browser.run(eye)
+browser.key("KeyW")
+away = browser.run(eye)
+browser.mouse("mousePressed", 100, 80, button="left", buttons=1, clickCount=1)
+browser.mouse("mouseMoved", 130, 90, button="left", buttons=1)
+browser.mouse("mouseReleased", 130, 90, button="left", clickCount=1)
+yaw = "glowworm.camera.yaw.toFixed(4)"
+turned = browser.run(yaw)
+browser.key("Digit2")
+print("moved", home != away, "turned", browser.run(yaw) != turned, "back",
+      browser.run(eye) == home)
+
+# A beginning of the points shows all of the box: no tenth of the picture that they cover is black.
+browser.open("few.html")
+print("few", browser.wait(), browser.run("glowworm.scene.count"))
+dark = numpy.frombuffer(browser.bytes("glowworm.picture(60, 40)"), numpy.uint8).reshape(-1, 4)
+print("covered", numpy.mean(dark[:, :3].max(1) > 0) > 0.3)
+print("asked for", browser.requests(), "wrong", browser.errors())
+browser.close()
+END
+/usr/bin/python3 look.py
