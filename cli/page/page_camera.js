@@ -13,6 +13,7 @@ const STEEPEST = 1.55; /* radians from the horizon: straight up has no right and
 
 const camera = {
 	eye: [0, 0, 0], yaw: 0, pitch: 0, angle: 50, near: 0.01,
+	aspect: 0, /* width by height of the picture that it was chosen for; 0: any */
 	pivot: [0, 0, 0], /* what is turned about */
 	extent: norm(scene.side) || 1,
 
@@ -43,6 +44,12 @@ const camera = {
 		this.look(add(this.pivot, this.eye, -1));
 		this.angle = view.angle;
 		this.near = view.near;
+		this.aspect = view.aspect;
+	},
+	/* The tangent of half the vertical angle, in which a picture of this size shows to both sides
+	 * what it was chosen for. */
+	tangent(width, height) {
+		return Math.tan(this.angle * Math.PI / 360) * Math.max(1, this.aspect * height / width);
 	},
 	/* How far away what is turned about is; never nothing. */
 	distance() {
@@ -91,8 +98,8 @@ function watchInput(canvas, moved, pick) {
 			camera.turnHead(x * 0.004, y * 0.004);
 	};
 	const pan = (x, y) => {
-		const metres = 2 * camera.distance() * Math.tan(camera.angle * Math.PI / 360) /
-			canvas.clientHeight;
+		const metres = 2 * camera.distance() *
+			camera.tangent(canvas.clientWidth, canvas.clientHeight) / canvas.clientHeight;
 		camera.pan(-x * metres, y * metres);
 	};
 	canvas.addEventListener("pointerdown", (event) => {

@@ -432,21 +432,22 @@ class Drawing {
 
 	/* ----------------------------------------------------------------------------- pictures */
 
-	/* The radius that the first so many points need to leave no holes. */
+	/* The radius by which the first so many points leave no holes: they are one cell apart, give or
+	 * take as much. */
 	leastRadius(count) {
 		if (count >= scene.count)
 			return 0;
 		const level = Math.max(scene.levels.findIndex((l) => l.end > count), 1);
 		const before = scene.levels[level - 1], after = scene.levels[level];
 		const share = (count - before.end) / Math.max(after.end - before.end, 1);
-		return 0.75 * before.cell * Math.pow(after.cell / before.cell, share);
+		return before.cell * Math.pow(after.cell / before.cell, share);
 	}
 	/* Sets a program that draws discs up.
 	 *   factor  of the light
 	 *   behind  radii by which discs are put further away */
 	aim(program, width, height, count, factor, behind) {
 		const gl = this.gl, at = program.at, axes = camera.axes();
-		const tangent = Math.tan(camera.angle * Math.PI / 360);
+		const tangent = camera.tangent(width, height);
 		const near = Math.max(camera.near, 1e-5 * camera.extent);
 		const far = norm(add(camera.eye, scene.side, -0.5)) + camera.extent;
 		gl.viewport(0, 0, width, height);

@@ -167,6 +167,7 @@ function watchButtons() {
 	byId("copy").addEventListener("click", copyCommand);
 	byId("toggle").addEventListener("click", () => {
 		byId("panel").hidden = !byId("panel").hidden;
+		document.body.classList.toggle("open", !byId("panel").hidden);
 		byId("toggle").setAttribute("aria-expanded", String(!byId("panel").hidden));
 	});
 	document.addEventListener("keydown", (event) => {

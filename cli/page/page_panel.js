@@ -129,7 +129,7 @@ const panel = {
 	makeLook(changed) {
 		const names = ["picture", scene.units.radianceName, scene.units.irradianceName];
 		names.forEach((name, i) => byId("quantity").append(
-			element("option", { textContent: i ? `${name} by colours` : name, value: i })));
+			element("option", { textContent: name, value: i })));
 		byId("tone").value = scene.tone;
 		look.tone = TONE.indexOf(scene.tone);
 		byId("cull").setAttribute("aria-labelledby", "cullName");
@@ -142,6 +142,8 @@ const panel = {
 			if (high > low && (low > 0 || !look.logarithmic))
 				[look.low, look.high] = [low, high];
 			byId("scale").hidden = look.quantity === 0;
+			byId("unit").textContent = look.quantity === 2 ? scene.units.irradiance
+				: scene.units.radiance;
 			changed();
 		};
 		for (const id of ["tone", "cull", "logarithmic", "low", "high"])

@@ -8,9 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Of cameras that choose a place for a picture: that of most screens. */
-#define ASPECT (16.0 / 9.0)
-
 /* The power of two below which all light of a lamp is packed. RGB9E5 holds 65408. */
 #define LARGEST_EXPONENT 15
 
@@ -91,7 +88,7 @@ static gw_status choose(void *user, const render_scene *scene, const gw_surfels 
 {
 	chooser *c = user;
 	page_order order;
-	GW_TRY(camera_plan_place(&c->page->plan, scene, surfels, ASPECT, error));
+	GW_TRY(camera_plan_place(&c->page->plan, scene, surfels, PAGE_ASPECT, error));
 	GW_TRY(order_inside(surfels, c->most, &order, &c->page->outside, error));
 	for (size_t i = 0; i < order.count; i++)
 		chosen[order.point[i]] = 1;

@@ -10,6 +10,9 @@
 #include "pictures/render_cameras.h"
 #include "pictures/render_scene.h"
 
+/* Width by height of the pictures for which cameras are chosen: that of most screens. */
+#define PAGE_ASPECT (16.0 / 9.0)
+
 /* A lamp, or all light of a cloud that does not say which lamp it comes from. */
 typedef struct page_lamp {
 	char *name;      /* owned */

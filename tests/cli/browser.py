@@ -4,6 +4,7 @@
 import base64
 import json
 import os
+import select
 import shutil
 import subprocess
 import tempfile
@@ -55,7 +56,8 @@ class Browser:
 
     def receive(self):
         while b"\0" not in self.rest:
-            if time.monotonic() > self.deadline:
+            left = max(self.deadline - time.monotonic(), 0)
+            if not select.select([self.up], [], [], left)[0]:
                 raise TimeoutError("the browser says nothing")
             part = os.read(self.up, 1 << 20)
             if not part:

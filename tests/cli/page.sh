@@ -33,7 +33,7 @@ def triples(cloud, prefix):
     return numpy.stack([cloud[prefix + c].astype(float) for c in "rgb"], 1)
 
 lit = read("lit.ply")
-browser = Browser(240, 160, patience=200)
+browser = Browser(560, 160, patience=120)
 browser.open("page.html")
 print("whole", browser.wait())
 scene = browser.run("glowworm.scene")
@@ -100,11 +100,11 @@ browser.run(press % 0)
 browser.run("document.getElementById('toggle').click()")
 browser.run("document.getElementById('quantity').value = 2,"
             "document.getElementById('quantity').dispatchEvent(new Event('input'))")
-browser.mouse("mouseMoved", 120, 80)
+browser.mouse("mouseMoved", 280, 80)
 text = browser.run("""new Promise((done) => { const look = () => {
     const text = document.getElementById('readout').textContent;
     text ? done(text) : setTimeout(look, 20); }; look(); })""")
-index = browser.run("glowworm.pick(120, 80)")
+index = browser.run("glowworm.pick(280, 80)")
 lux = float(text.split(" \u00b7 ")[2].split(" ")[0])
 true = lit["scalar_illuminance"][which[index]]
 # Three digits, RGB9E5, and an albedo of 8 bits, by its root: 2/255 of the box's 0.5 and less.
