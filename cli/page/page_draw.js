@@ -139,13 +139,17 @@ float squared()
 const DEPTH = `${HEAD + IN_DISC}
 void main() { squared(); }`;
 
-/* 1 in the middle, a trace at the rim, so that what a disc covers has a weight. */
+/* 1 in the middle, a trace at the rim, so that what a disc covers has a weight. What glows is added
+ * up by itself. */
 const BLEND = `${HEAD + IN_DISC}
-out vec4 sum;
+layout(location = 0) out vec4 sum;
+layout(location = 1) out vec4 glow;
 void main()
 {
 	float rest = 1.0 - squared(), weight = rest * rest * rest + 1e-4;
-	sum = vec4(shown.rgb, 1.0) * weight;
+	vec4 all = vec4(shown.rgb, 1.0) * weight;
+	sum = shown.a < 1.0 ? vec4(0.0) : all;
+	glow = shown.a < 1.0 ? all : vec4(0.0);
 }`;
 
 const PLAIN = `${HEAD + IN_DISC}
@@ -166,7 +170,7 @@ void main()
 
 /* From sums to what a screen shows: the mean of over x over samples a pixel. */
 const FIT = `${HEAD}
-uniform sampler2D sums, ramp;
+uniform sampler2D sums, glow, ramp;
 uniform int over, tone, quantity, logarithmic;
 uniform vec2 range; /* in units of the sums */
 out vec4 color;
@@ -202,11 +206,17 @@ vec3 false_color(float value)
 	return texelFetch(ramp, ivec2(clamp(at, 0.0, 1.0) * 255.0 + 0.5, 0), 0).rgb;
 }
 
-/* Linear, so that samples can be averaged; colours of a scale are encoded already. */
-vec3 fit(vec4 sum)
+/* Of what glows and what does not the one that weighs more. Linear, so that samples can be averaged;
+ * colours of a scale are encoded already, and illuminance of what glows is not known. */
+vec3 fit(ivec2 at)
 {
+	vec4 sum = texelFetch(sums, at, 0), own = texelFetch(glow, at, 0);
+	bool glows = own.a > sum.a;
+	sum = glows ? own : sum;
 	if (sum.a <= 0.0)
 		return vec3(0.0);
+	if (glows && quantity == 2)
+		return vec3(0.5);
 	vec3 value = sum.rgb / sum.a;
 	if (quantity == 0)
 		return clamp(tone_map(value), 0.0, 1.0);
@@ -217,7 +227,7 @@ void main()
 	vec3 mean = vec3(0.0);
 	for (int y = 0; y < over; y++)
 		for (int x = 0; x < over; x++)
-			mean += fit(texelFetch(sums, ivec2(gl_FragCoord.xy) * over + ivec2(x, y), 0));
+			mean += fit(ivec2(gl_FragCoord.xy) * over + ivec2(x, y));
 	mean /= float(over * over);
 	color = vec4(quantity == 0 ? encode(mean) : mean, 1.0);
 }`;
@@ -298,7 +308,8 @@ class Drawing {
 		gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, texture, 0);
 		return frame;
 	}
-	/* Units: 0 places, 1 cuts, 2 light, 3 gains, 4 mixed, 5 albedos, 6 ramp, 7 sums of a picture. */
+	/* Units: 0 places, 1 cuts, 2 light, 3 gains, 4 mixed, 5 albedos, 6 ramp, 7 sums of a picture,
+	 * 8 those of what glows. */
 	makeTextures() {
 		const gl = this.gl, lamps = scene.lamps.length;
 		const most = Math.min(gl.getParameter(gl.MAX_TEXTURE_SIZE),
@@ -322,7 +333,7 @@ class Drawing {
 		for (const one of [this.addUp, this.apart, this.depth, this.blend, this.measure,
 			this.identify, this.fit]) {
 			gl.useProgram(one.program);
-			["places", "cuts", "light", "gains", "mixed", "albedos", "ramp", "sums"].forEach(
+			["places", "cuts", "light", "gains", "mixed", "albedos", "ramp", "sums", "glow"].forEach(
 				(name, unit) => one.at[name] && gl.uniform1i(one.at[name], unit));
 		}
 	}
@@ -476,19 +487,24 @@ class Drawing {
 		gl.bindVertexArray(this.nothing);
 		gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, Math.max(end - first, 0));
 	}
-	/* A framebuffer with depth, whose light is a texture of unit 7. */
+	/* A framebuffer with depth, whose light is the textures of units 7 and 8. */
 	surface(width, height) {
 		const gl = this.gl;
 		if (this.sums && this.sums.width === width && this.sums.height === height)
 			return this.sums;
 		if (this.sums) {
 			gl.deleteTexture(this.sums.texture);
+			gl.deleteTexture(this.sums.glow);
 			gl.deleteFramebuffer(this.sums.frame);
 			gl.deleteRenderbuffer(this.sums.depth);
 		}
 		const texture = this.texture(7, gl.TEXTURE_2D, gl.RGBA16F, width, height);
+		const glow = this.texture(8, gl.TEXTURE_2D, gl.RGBA16F, width, height);
 		const frame = this.target(texture);
-		this.sums = { width, height, texture, frame, depth: this.attachDepth(width, height) };
+		gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT1, gl.TEXTURE_2D, glow, 0);
+		gl.drawBuffers([gl.COLOR_ATTACHMENT0, gl.COLOR_ATTACHMENT1]);
+		this.sums = { width, height, texture, glow, frame,
+			depth: this.attachDepth(width, height) };
 		return this.sums;
 	}
 	attachDepth(width, height) {
@@ -504,7 +520,8 @@ class Drawing {
 		const gl = this.gl, sums = this.surface(width * over, height * over);
 		const factor = look.quantity ? 1 / look.high : 0.18 / (0.125 * Math.pow(2, look.exposure));
 		gl.bindFramebuffer(gl.FRAMEBUFFER, sums.frame);
-		gl.clearBufferfv(gl.COLOR, 0, [0, 0, 0, 0]);
+		for (const target of [0, 1])
+			gl.clearBufferfv(gl.COLOR, target, [0, 0, 0, 0]);
 		gl.clear(gl.DEPTH_BUFFER_BIT);
 		for (const blended of [false, true])
 			for (let first = 0; first < count; first += together) {
