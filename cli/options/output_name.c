@@ -5,11 +5,16 @@
 #include <string.h>
 #include <sys/stat.h>
 
+bool output_name_is_stream(const char *path)
+{
+	struct stat info;
+	return strcmp(path, "-") == 0 || (stat(path, &info) == 0 && !S_ISREG(info.st_mode));
+}
+
 gw_status output_name_format(const char *path, const char *name, const format **found,
 							 gw_error *error)
 {
-	struct stat info;
-	bool stream = strcmp(path, "-") == 0 || (stat(path, &info) == 0 && !S_ISREG(info.st_mode));
+	bool stream = output_name_is_stream(path);
 	*found = name ? format_by_name(name) : format_by_path(path);
 	if (!*found && !name && stream)
 		*found = format_by_name("ply");

@@ -6,6 +6,9 @@
 
 #include "table/format_table.h"
 
+/* Whether bytes can only be appended to what has that name: standard output, a pipe, a device. */
+bool output_name_is_stream(const char *path);
+
 /*
  * The format to write: the one called `name`, or when that is NULL the one whose extension the path
  * has; PLY for standard output and devices.

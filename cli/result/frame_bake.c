@@ -428,6 +428,7 @@ static gw_status make_lit(frame_run *r, const gw_bake_result *result, scan *lit)
 static gw_status write_output(frame_run *r, const scan *lit, const char *name, output_file **output)
 {
 	GW_TRY(output_file_create(output, name, r->settings->force, r->error));
+	output_file_use_threads(*output, r->settings->bake.threads);
 	GW_TRY(r->format->write(*output, lit, r->error));
 	GW_TRY(signals_check(r->error));
 	return output_file_commit(output, r->error);

@@ -137,8 +137,7 @@ static gw_status start(const parted_result *r, output_file *out, double *exposur
 static gw_status write_head(const writer *w, const scan *lit, gw_error *error)
 {
 	const parted_result *r = w->result;
-	const format_rows all = { .count = r->scene->parted->file.count };
-	return r->format->write_head(w->out, &all, lit, error);
+	return r->format->parted->write_head(w->out, &r->scene->parted->whole, lit, error);
 }
 
 /* Takes the part's columns.
@@ -163,7 +162,8 @@ static gw_status append(writer *w, uint64_t number, const scan *lit, gw_error *e
 {
 	if (number == 0)
 		GW_TRY(write_head(w, lit, error));
-	return w->result->format->write_rows(w->out, lit, error);
+	const parted_result *r = w->result;
+	return r->format->parted->write_rows(w->out, &r->scene->parted->whole, lit, error);
 }
 
 gw_status parted_result_write(const parted_result *r, output_file *out, double *exposure,
@@ -173,7 +173,9 @@ gw_status parted_result_write(const parted_result *r, output_file *out, double *
 	GW_TRY(start(r, out, exposure, &w, error));
 	for (uint64_t number = 0; number < w.parts; number++)
 		GW_TRY(write_part(&w, number, append, error));
-	return GW_OK;
+	return r->format->parted->write_end
+			   ? r->format->parted->write_end(out, &r->scene->parted->whole, error)
+			   : GW_OK;
 }
 
 /* ---------------------------------------------------------------------- those that are not written
@@ -183,15 +185,15 @@ gw_status parted_result_write(const parted_result *r, output_file *out, double *
 static gw_status measure_file(writer *w, const scan *lit, gw_error *error)
 {
 	checksum sum;
-	w->row = 0;
-	for (size_t c = 0; c < lit->column_count; c++)
-		w->row += scan_type_size(lit->column[c].type);
+	size_t row;
+	const parted_cloud *parted = w->result->scene->parted;
+	GW_TRY(format_whole_row(w->result->format, &parted->whole, lit, &row, error));
+	w->row = row;
 	GW_TRY(output_file_seek(w->out, 0, error));
 	GW_TRY(write_head(w, lit, error));
 	GW_TRY(output_file_written(w->out, &sum, error));
 	w->head = sum.length;
-	return output_file_resize(w->out, w->head + w->row * w->result->scene->parted->file.count,
-							  error);
+	return output_file_resize(w->out, w->head + w->row * parted->file.count, error);
 }
 
 /* What fails together with the machine is not to be more than what was written since. */

@@ -288,8 +288,9 @@ static gw_status write_tile(tiled_result *r, uint32_t number, const settings *s,
 	journal_slot slot;
 	journal_file *journal = r->kept->scene->parted->journal;
 	GW_TRY(lit_scan_make(&t->scene, t->light, s, &lit, &exposure, error));
-	const tile_outcome outcome = { &t->share, &lit };
-	gw_status status = tile_file_put(&r->file, number, &outcome, r->kept->format, &slot, error);
+	const tile_outcome outcome = { &t->share, &lit, r->kept->format,
+								   &r->kept->scene->parted->whole };
+	gw_status status = tile_file_put(&r->file, number, &outcome, &slot, error);
 	scan_clear(&lit);
 	GW_TRY(status);
 	if (!journal)
@@ -339,6 +340,15 @@ static gw_status report(const tiled_result *r, gw_error *error)
 	return status;
 }
 
+static gw_status put_rows(const tiled_result *r, const tile_part *part, output_file *out,
+						  gw_error *error)
+{
+	const format_parted *to = r->kept->format->parted;
+	const format_loose rows = { part->bytes, part->row, part->count };
+	return to->pack_loose ? to->pack_loose(out, &r->kept->scene->parted->whole, &rows, error)
+						  : output_file_write(out, part->bytes, part->row * part->count, error);
+}
+
 static gw_status write_parts(const tiled_result *r, size_t row, output_file *out, gw_error *error)
 {
 	const parted_cloud *parted = r->kept->scene->parted;
@@ -352,12 +362,19 @@ static gw_status write_parts(const tiled_result *r, size_t row, output_file *out
 								 left < parted->part ? (size_t)left : parted->part, bytes };
 		status = tile_file_part(&r->file, &part, error);
 		if (status == GW_OK)
-			status = output_file_write(out, bytes, row * part.count, error);
+			status = put_rows(r, &part, out, error);
 		if (status == GW_OK)
 			status = signals_check(error);
 	}
 	free(bytes);
 	return status;
+}
+
+/* What another run wrote may be longer. */
+static gw_status begin_anew(output_file *out, gw_error *error)
+{
+	GW_TRY(output_file_resize(out, 0, error));
+	return output_file_seek(out, 0, error);
 }
 
 /* What stands before all points is that of the first part, in the light of those that were kept;
@@ -369,14 +386,17 @@ static gw_status write_all(const tiled_result *r, const settings *s, output_file
 	size_t row;
 	const parted_result *kept = r->kept;
 	GW_TRY(parted_result_light_part(kept, 0, s, &lit, error));
-	const format_rows all = { .count = kept->scene->parted->file.count };
-	row = tile_file_row(&lit);
-	if (kept->scene->parted->journal)
-		GW_TRY(output_file_seek(out, 0, error));
-	gw_status status = kept->format->write_head(out, &all, &lit, error);
+	const format_parted *to = kept->format->parted;
+	const format_whole *whole = &kept->scene->parted->whole;
+	gw_status status = format_whole_row(kept->format, whole, &lit, &row, error);
+	if (status == GW_OK && kept->scene->parted->journal)
+		status = begin_anew(out, error);
+	if (status == GW_OK)
+		status = to->write_head(out, whole, &lit, error);
 	scan_clear(&lit);
-	GW_TRY(status);
-	return write_parts(r, row, out, error);
+	if (status == GW_OK)
+		status = write_parts(r, row, out, error);
+	return status == GW_OK && to->write_end ? to->write_end(out, whole, error) : status;
 }
 
 gw_status tiled_result_write(tiled_result *r, output_file *out, double *exposure, gw_error *error)

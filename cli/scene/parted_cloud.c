@@ -2,6 +2,7 @@
 #include "scene/parted_cloud.h"
 
 #include "glowworm_host.h"
+#include "options/output_name.h"
 #include "points/scan_bytes.h"
 #include "points/scan_thinning.h"
 #include "program/signals.h"
@@ -21,10 +22,17 @@
 
 #define KEPT_MOST ((uint64_t)1 << 30)
 
+/* Whether results can be written one part after the other: LAZ goes to files only. */
+static bool can_be_written(const settings *s, const format *output)
+{
+	return output && output->parted && s->output &&
+		   !(output->parted->pack_loose && output_name_is_stream(s->output));
+}
+
 /* Whether what is asked for needs no more than one point after the other. */
 static bool asks_for_points_alone(const settings *s, const format *output)
 {
-	return output && output->write_head && !s->vdb_points && !s->region && s->frame_count == 0 &&
+	return can_be_written(s, output) && !s->vdb_points && !s->region && s->frame_count == 0 &&
 		   s->path_count == 0 && s->strays != SETTINGS_STRAYS_DROP &&
 		   s->points.albedo != SCAN_ALBEDO_INTENSITY;
 }
@@ -82,6 +90,7 @@ gw_status parted_cloud_open(const settings *s, const format *output, const uint6
 	*parted = (parted_cloud){ .most = 0 };
 	if (!asks_for_points_alone(s, output) || !is_one_file(s))
 		return GW_OK;
+	parted->format = output;
 	GW_TRY(format_parts_open(s->input[0].path, &options, &parted->file, error));
 	if (!parted->file.found)
 		return GW_OK;
@@ -170,6 +179,14 @@ gw_status parted_cloud_thin(parted_cloud *parted, scan *cloud, gw_error *error)
 	return status;
 }
 
+gw_status parted_cloud_survey(parted_cloud *parted, const char *output, gw_error *error)
+{
+	const format_survey_use use = { parted->format, (size_t)whole_groups(parted, PART_MOST),
+									signals_check };
+	parted->whole.name = output;
+	return format_parts_survey(&parted->file, &use, &parted->whole, error);
+}
+
 uint64_t parted_cloud_parts(const parted_cloud *parted)
 {
 	return (parted->file.count + parted->part - 1) / parted->part;
@@ -182,6 +199,7 @@ gw_status parted_cloud_read(parted_cloud *parted, uint64_t part, scan *cloud, gw
 
 void parted_cloud_close(parted_cloud *parted)
 {
+	format_whole_clear(parted->format, &parted->whole);
 	format_parts_close(&parted->file);
 	*parted = (parted_cloud){ .most = 0 };
 }

@@ -20,6 +20,8 @@ typedef struct parted_cloud {
 	scan_told told;        /* after parted_cloud_thin: what the columns' values tell */
 	journal_file *journal; /* NULL; or that of parted_cloud_keep, closed by who opened it */
 	bool begun;            /* another run began it */
+	format_whole whole;    /* after parted_cloud_survey: of the results */
+	const format *format;  /* theirs, or NULL */
 } parted_cloud;
 
 /*
@@ -45,6 +47,10 @@ gw_status parted_cloud_keep(parted_cloud *parted, const settings *settings,
 /* Keeps some of the points, or takes those of the journal. GW_ERROR_DATA, GW_ERROR_MEMORY,
  * GW_ERROR_CANCELLED. cloud   to be freed with scan_clear; empty on failure */
 gw_status parted_cloud_thin(parted_cloud *parted, scan *cloud, gw_error *error);
+
+/* What their format has to know of the results before they are written, by the points of the file:
+ * after parted_cloud_thin. GW_ERROR_DATA where it cannot hold them. */
+gw_status parted_cloud_survey(parted_cloud *parted, const char *output, gw_error *error);
 
 /* The points of part number `part`, of which there are parted_cloud_parts.
  *   cloud   to be freed with scan_clear; empty on failure */

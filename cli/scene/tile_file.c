@@ -278,24 +278,24 @@ static uint64_t share_at(const tile_file *f, uint32_t tile)
 	return f->end + tile * sizeof(gw_tile_share);
 }
 
-size_t tile_file_row(const scan *lit)
+static gw_status write_rows(const tile_file *f, const tile_outcome *outcome, gw_error *error)
 {
-	size_t row = 0;
-	for (size_t c = 0; c < lit->column_count; c++)
-		row += scan_type_size(lit->column[c].type);
-	return row;
+	const format_parted *to = outcome->format->parted;
+	return to->write_loose ? to->write_loose(f->out, outcome->whole, outcome->lit, error)
+						   : to->write_rows(f->out, outcome->whole, outcome->lit, error);
 }
 
 gw_status tile_file_put(tile_file *f, uint32_t tile, const tile_outcome *outcome,
-						const format *output, journal_slot *slot, gw_error *error)
+						journal_slot *slot, gw_error *error)
 {
 	checksum sum;
-	const size_t row = tile_file_row(outcome->lit);
+	size_t row;
+	GW_TRY(format_whole_row(outcome->format, outcome->whole, outcome->lit, &row, error));
 	const uint64_t at = share_at(f, f->tiles) + row * f->first[tile];
 	GW_TRY(output_file_seek(f->out, share_at(f, tile), error));
 	GW_TRY(output_file_write(f->out, outcome->share, sizeof *outcome->share, error));
 	GW_TRY(output_file_seek(f->out, at, error));
-	GW_TRY(output->write_rows(f->out, outcome->lit, error));
+	GW_TRY(write_rows(f, outcome, error));
 	GW_TRY(output_file_written(f->out, &sum, error));
 	if (sum.length != row * (f->first[tile + 1] - f->first[tile]))
 		return gw_fail(error, GW_ERROR_INTERNAL, "tile %u has other points than it was given",

@@ -86,7 +86,9 @@ gw_status tile_file_kept(const tile_file *file, uint32_t tile, uint32_t **point,
 /* What becomes of a tile. */
 typedef struct tile_outcome {
 	const gw_tile_share *share;
-	const scan *lit; /* the points of the core, in order */
+	const scan *lit;      /* the points of the core, in order */
+	const format *format; /* of the result, and what it knows of all points */
+	const format_whole *whole;
 } tile_outcome;
 
 /*
@@ -94,12 +96,9 @@ typedef struct tile_outcome {
  *   slot   receives where the points are, and their checksum
  */
 gw_status tile_file_put(tile_file *file, uint32_t tile, const tile_outcome *outcome,
-						const format *format, journal_slot *slot, gw_error *error);
+						journal_slot *slot, gw_error *error);
 gw_status tile_file_share(const tile_file *file, uint32_t tile, gw_tile_share *share,
 						  gw_error *error);
-
-/* Bytes of a lit point. */
-size_t tile_file_row(const scan *lit);
 
 /* Whether it holds what a slot says. */
 bool tile_file_holds(const tile_file *file, const journal_slot *slot);

@@ -199,6 +199,7 @@ static gw_status run(settings *s, loaded_scene *scene, output_file **output, gw_
 	quality_preset_apply(s);
 	GW_TRY(check(s, &to, error));
 	GW_TRY(output_file_create(output, s->output, s->force, error));
+	output_file_use_threads(*output, s->bake.threads);
 	GW_TRY(read_scan(s, scene, error));
 	GW_TRY(find_albedo(s, scene, error));
 	GW_TRY(store_albedo(s, scene, error));

@@ -257,8 +257,8 @@ static gw_status open_alone(bake *b)
 		return gw_fail(
 			b->error, GW_ERROR_USAGE,
 			"this bake is of all points at once, which %u processes cannot share: start "
-			"one, or where binary PLY goes to PLY give a --memory that does not hold all "
-			"points",
+			"one, or where binary PLY, LAS or LAZ goes to PLY or LAS give a --memory that does "
+			"not hold all points",
 			b->ranks.count);
 	if (!s->quiet)
 		fprintf(stderr, "glowworm: note: --resume keeps nothing of this bake: it is of all points "
@@ -278,6 +278,12 @@ static gw_status open_account(bake *b, const char *path)
 		GW_TRY(ranks_wait(&b->ranks, b->error));
 	if (!b->parted.file.found || (b->parted.most == 0 && !there))
 		return open_alone(b);
+	if (b->format->parted->pack_loose && s->tiles == 0)
+		return gw_fail(
+			b->error, GW_ERROR_USAGE,
+			"%s: --resume, and processes that share a bake, write each part at its place, which "
+			"for %s is not known before: write LAS or PLY, or light by --tiles",
+			s->output, b->format->name);
 	if (s->resume && s->save_transport)
 		return gw_fail(
 			b->error, GW_ERROR_USAGE,
@@ -333,8 +339,8 @@ static gw_status read_inputs(bake *b)
 		return gw_fail(
 			b->error, GW_ERROR_USAGE,
 			"--tiles lights one file whose points can be read in parts, a binary PLY, LAS "
-			"or LAZ with more than %u points, to a binary PLY, in a --memory that holds "
-			"as many; leave it out, or convert %s",
+			"or LAZ with more than %u points, to a file of one of these, in a --memory that "
+			"holds as many; leave it out, or convert %s",
 			PARTED_CLOUD_LEAST, b->settings->input[0].path);
 	GW_TRY(keep_account(b));
 	parted_cloud *parted = b->parted.most > 0 ? &b->parted : NULL;
@@ -370,14 +376,19 @@ static gw_status check_room_beside(const bake *b)
 
 /* What is known of the results before hours of work: whether their format can hold the points, and
  * the disk the files. */
-static gw_status check_results(const bake *b)
+static gw_status check_results(bake *b)
 {
 	const settings *s = b->settings;
 	size_t columns, row = b->format ? lit_scan_row_bytes(&b->scene, s, &columns) : 0;
 	GW_TRY(check_room_beside(b));
 	if (!b->format)
 		return GW_OK;
-	GW_TRY(b->format->accept ? b->format->accept(&b->scene.cloud, s->output, b->error) : GW_OK);
+	if (b->output)
+		output_file_use_threads(b->output, s->bake.threads);
+	if (b->scene.parted)
+		GW_TRY(parted_cloud_survey(&b->parted, s->output, b->error));
+	else
+		GW_TRY(b->format->accept ? b->format->accept(&b->scene.cloud, s->output, b->error) : GW_OK);
 	row = b->format->row_bytes ? b->format->row_bytes : b->format->text ? 2 * columns : row;
 	if (b->parted.begun) /* what is there takes room already */
 		return GW_OK;

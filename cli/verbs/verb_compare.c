@@ -47,6 +47,8 @@ static gw_status open_outputs(comparison *c)
 	const settings *s = c->settings;
 	if (s->worst)
 		GW_TRY(output_file_create(&c->worst, s->worst, s->force, c->error));
+	if (c->worst)
+		output_file_use_threads(c->worst, s->bake.threads);
 	if (s->json_file)
 		GW_TRY(output_file_create(&c->json, s->json_file, s->force, c->error));
 	return GW_OK;

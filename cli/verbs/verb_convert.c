@@ -53,6 +53,7 @@ static gw_status convert(const settings *s, scan *cloud, output_file **out, gw_e
 	const format_options options = { s->format, s->columns, s->bake.threads };
 	GW_TRY(check(s, &to, &shift, error));
 	GW_TRY(output_file_create(out, output_of(s), s->force, error));
+	output_file_use_threads(*out, s->bake.threads);
 	GW_TRY(format_read_with(s->input[0].path, &options, cloud, NULL, error));
 	GW_TRY(signals_check(error));
 	note_reading(s, cloud);

@@ -19,8 +19,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Points that are mixed at once where the input can be read in parts: a fine grain of progress, and
- * next to no memory. */
+/* About as many points are mixed at once where the input can be read in parts: a fine grain of
+ * progress, and next to no memory. */
 #define PART_POINTS ((size_t)1 << 18)
 
 /* All that lives as long as one mix. */
@@ -29,6 +29,8 @@ typedef struct mixing {
 	const format *format;
 	output_file *output;
 	format_parts parts;
+	size_t step;        /* points that are mixed at once */
+	format_whole whole; /* of the output, where it is written in parts */
 	light_mix mix;
 	preview_meter meter;
 	output_shift shift;
@@ -173,6 +175,8 @@ static gw_status finish_part(const mixing *m, mixed_part *part)
 	GW_TRY(add_command(m, &part->cloud));
 	if (wants_preview(m, &part->cloud))
 		GW_TRY(make_preview(m, part));
+	if (m->settings->las_radiance == SETTINGS_LAS_HALF)
+		bake_columns_round(&part->cloud);
 	return output_shift_apply(&m->shift, &part->cloud, m->error);
 }
 
@@ -184,17 +188,21 @@ static void clear_part(mixed_part *part)
 
 /* ----------------------------------------------------------------------------------- one by one */
 
-/* Whether the input can be read in parts, more than once, and the output written so. Formats that
- * tell by all points which columns there are would have to be read once more. */
+/* Whether the input can be read in parts, more than once, and the output written so. What is read
+ * at once is in one part. */
 static gw_status open_parts(mixing *m, bool *parted)
 {
 	const settings *s = m->settings;
 	const format_options options = { s->format, NULL, s->bake.threads };
 	*parted = false;
-	if (!m->format->write_head)
+	const format_parted *to = m->format->parted;
+	if (!to || (to->pack_loose && output_name_is_stream(s->output)))
 		return GW_OK;
 	GW_TRY(format_parts_open(s->input[0].path, &options, &m->parts, m->error));
-	*parted = m->parts.found && !m->parts.found->settle_rows;
+	uint64_t together = m->parts.together;
+	*parted = m->parts.found && together <= PART_POINTS;
+	if (*parted)
+		m->step = together > 0 ? (size_t)(PART_POINTS / together * together) : PART_POINTS;
 	return GW_OK;
 }
 
@@ -215,10 +223,10 @@ static gw_status use_parts(mixing *m, mix_use *use)
 {
 	uint64_t count = m->parts.count;
 	m->mix.points = 0;
-	for (uint64_t first = 0; first < count; first += PART_POINTS) {
+	for (uint64_t first = 0; first < count; first += m->step) {
 		double done = (double)first / (double)count;
 		progress_show(&m->progress, "mix", (m->passed + done) / m->passes);
-		GW_TRY(use_part(m, first, PART_POINTS, use));
+		GW_TRY(use_part(m, first, m->step, use));
 	}
 	m->passed++;
 	GW_TRY(check_mix(m));
@@ -241,12 +249,11 @@ static gw_status look_at_light(mixing *m, mixed_part *part)
 /* What goes before the points, for which there has to be room. */
 static gw_status begin_output(const mixing *m, const scan *cloud)
 {
-	const format_rows all = { .count = m->parts.count };
 	uint64_t row = m->format->row_bytes;
 	for (size_t c = 0; c < cloud->column_count && m->format->row_bytes == 0; c++)
 		row += m->format->text ? 2 : scan_type_size(cloud->column[c].type);
-	GW_TRY(output_file_check_room(m->settings->output, row * all.count, m->error));
-	return m->format->write_head(m->output, &all, cloud, m->error);
+	GW_TRY(output_file_check_room(m->settings->output, row * m->whole.count, m->error));
+	return m->format->parted->write_head(m->output, &m->whole, cloud, m->error);
 }
 
 static gw_status write_part(mixing *m, mixed_part *part)
@@ -255,7 +262,7 @@ static gw_status write_part(mixing *m, mixed_part *part)
 	GW_TRY(finish_part(m, part));
 	if (first)
 		GW_TRY(begin_output(m, &part->cloud));
-	return m->format->write_rows(m->output, &part->cloud, m->error);
+	return m->format->parted->write_rows(m->output, &m->whole, &part->cloud, m->error);
 }
 
 /* Whether the first part asks for it. */
@@ -269,9 +276,9 @@ static gw_status note_metering(mixing *m, mixed_part *part)
 static gw_status settle_shift(mixing *m)
 {
 	double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY };
-	for (uint64_t first = 0; m->shift.wanted && first < m->parts.count; first += PART_POINTS) {
+	for (uint64_t first = 0; m->shift.wanted && first < m->parts.count; first += m->step) {
 		scan part;
-		GW_TRY(format_parts_read(&m->parts, first, PART_POINTS, &part, m->error));
+		GW_TRY(format_parts_read(&m->parts, first, m->step, &part, m->error));
 		scan_shift_bounds(&part, low, high);
 		scan_clear(&part);
 		GW_TRY(signals_check(m->error));
@@ -280,9 +287,40 @@ static gw_status settle_shift(mixing *m)
 	return GW_OK;
 }
 
+/* Formats that tell by all points which columns there are have them read once. */
+static gw_status settle_columns(mixing *m)
+{
+	scan one;
+	if (!m->parts.found->settle_rows)
+		return GW_OK;
+	for (uint64_t first = 0; first < m->parts.count; first += m->step) {
+		scan part;
+		GW_TRY(format_parts_read(&m->parts, first, m->step, &part, m->error));
+		scan_clear(&part);
+		GW_TRY(signals_check(m->error));
+	}
+	GW_TRY(format_parts_read(&m->parts, 0, 1, &one, m->error));
+	gw_status status = format_parts_settle(&m->parts, &one, m->error);
+	if (status == GW_OK)
+		status = format_parts_follow(&m->parts, &one, m->error);
+	scan_clear(&one);
+	return status;
+}
+
+/* What the output's format has to know of all points. */
+static gw_status survey(mixing *m)
+{
+	const format_survey_use use = { m->format, m->step, signals_check };
+	m->whole.name = output_file_name(m->output);
+	return format_parts_survey(&m->parts, &use, &m->whole, m->error);
+}
+
 static gw_status mix_parts(mixing *m)
 {
+	const format_parted *to = m->format->parted;
+	GW_TRY(settle_columns(m));
 	GW_TRY(settle_shift(m));
+	GW_TRY(survey(m));
 	GW_TRY(use_part(m, 0, 1, note_metering));
 	m->mix.own = m->mix.squares = 0.0;
 	m->passes = isnan(m->exposure) ? 3 : 1;
@@ -291,7 +329,8 @@ static gw_status mix_parts(mixing *m)
 		GW_TRY(use_parts(m, look_at_light));
 		m->exposure = preview_meter_exposure(&m->meter);
 	}
-	return use_parts(m, write_part);
+	GW_TRY(use_parts(m, write_part));
+	return to->write_end ? to->write_end(m->output, &m->whole, m->error) : GW_OK;
 }
 
 /* ------------------------------------------------------------------------------ all at once */
@@ -312,8 +351,6 @@ static gw_status mix_whole(mixing *m)
 		output_shift_settle_by(&m->shift, &all.cloud, s->quiet);
 		status = finish_part(m, &all);
 	}
-	if (status == GW_OK && s->las_radiance == SETTINGS_LAS_HALF)
-		bake_columns_round(&all.cloud);
 	if (status == GW_OK)
 		status = m->format->write(m->output, &all.cloud, m->error);
 	clear_part(&all);
@@ -326,6 +363,7 @@ static gw_status run(mixing *m)
 	bool parted;
 	GW_TRY(check(m));
 	GW_TRY(output_file_create(&m->output, s->output, s->force, m->error));
+	output_file_use_threads(m->output, s->bake.threads);
 	GW_TRY(open_parts(m, &parted));
 	GW_TRY(parted ? mix_parts(m) : mix_whole(m));
 	progress_clear(&m->progress);
@@ -345,6 +383,7 @@ gw_status verb_mix(const settings *s, gw_error *error)
 				 .error = error };
 	gw_status status = run(&m);
 	progress_end(&m.progress);
+	format_whole_clear(m.format, &m.whole);
 	output_file_abandon(&m.output);
 	format_parts_close(&m.parts);
 	return status;

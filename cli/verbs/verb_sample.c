@@ -88,6 +88,7 @@ static gw_status run(const settings *s, mesh *m, scan *cloud, output_file **outp
 	const format *to = NULL;
 	GW_TRY(check(s, &to, error));
 	GW_TRY(output_file_create(output, s->output, s->force, error));
+	output_file_use_threads(*output, s->bake.threads);
 	GW_TRY(sample(s, m, cloud, error));
 	GW_TRY(signals_check(error));
 	GW_TRY(to->write(*output, cloud, error));

@@ -26,6 +26,7 @@ struct output_file {
 	bool lasting, keep; /* see output_file_create_lasting */
 	bool registered;    /* the temporary file is one that signals remove */
 	checksum written;   /* of a lasting file, since output_file_seek */
+	uint32_t threads;   /* see output_file_use_threads */
 	int descriptor;
 	uint8_t *buffer;
 	size_t used;
@@ -511,6 +512,16 @@ void output_file_leave(output_file **out)
 	if (*out)
 		(*out)->keep = true;
 	output_file_abandon(out);
+}
+
+void output_file_use_threads(output_file *out, uint32_t threads)
+{
+	out->threads = threads;
+}
+
+uint32_t output_file_threads(const output_file *out)
+{
+	return out->threads;
 }
 
 const char *output_file_name(const output_file *out)

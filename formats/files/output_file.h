@@ -93,6 +93,10 @@ gw_status output_file_print(output_file *out, gw_error *error, const char *forma
 /* Hands all buffered bytes to the system, so that the file can be opened and read back. */
 gw_status output_file_flush(output_file *out, gw_error *error);
 
+/* Threads that writers may use for what they write; 0, as at first: one a processor. */
+void output_file_use_threads(output_file *out, uint32_t threads);
+uint32_t output_file_threads(const output_file *out);
+
 /* The name for messages: the path, or "standard output". Valid as long as the output. */
 const char *output_file_name(const output_file *out);
 

@@ -30,7 +30,8 @@ typedef struct writer {
 
 static gw_status pack_nodes(writer *w)
 {
-	GW_TRY(laz_chunks_make(&w->chunks, &w->records, LAZ_VARIABLE, w->tree.node_count, w->error));
+	laz_chunks_begin(&w->chunks, &w->records, LAZ_VARIABLE, output_file_threads(w->out));
+	GW_TRY(laz_chunks_add(&w->chunks, w->tree.node_count, w->error));
 	w->records.order = w->tree.order;
 	for (size_t n = 0; n < w->tree.node_count; n++) {
 		w->chunks.chunk[n].first = w->tree.node[n].first;

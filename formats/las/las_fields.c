@@ -29,6 +29,11 @@ scan_type las_field_type(const las_field *field)
 	return field->scaled ? SCAN_FLOAT64 : type[field->kind];
 }
 
+bool las_field_is_color(const char *name)
+{
+	return strcmp(name, "red") == 0 || strcmp(name, "green") == 0 || strcmp(name, "blue") == 0;
+}
+
 gw_status las_layout_add(las_layout *layout, const las_field *field, gw_error *error)
 {
 	las_field *grown = growing_table_room(layout->field, layout->count, sizeof *grown);

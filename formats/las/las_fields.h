@@ -61,6 +61,9 @@ gw_status las_layout_add_extra(las_layout *layout, const las_header *header, sca
 
 void las_layout_clear(las_layout *layout);
 
+/* Red, green or blue. */
+bool las_field_is_color(const char *name);
+
 /* Bytes of a value. */
 size_t las_kind_size(las_kind kind);
 

@@ -54,6 +54,7 @@ const format las_format = {
 	.accept = las_accept,
 	.row_bytes = 30, /* of the smallest record that is written */
 	.write = las_write,
+	.parted = &las_parted,
 };
 
 const format laz_format = {
@@ -69,6 +70,7 @@ const format laz_format = {
 	.accept = las_accept,
 	.row_bytes = 1, /* real points take more */
 	.write = laz_write,
+	.parted = &laz_parted,
 };
 
 const format copc_format = {

@@ -17,6 +17,7 @@
 #include "files/output_file.h"
 
 extern const format las_format, laz_format, copc_format;
+extern const format_parted las_parted, laz_parted;
 
 /* As format.read, for all. */
 gw_status las_read(input_file *in, scan *cloud, gw_error *error);

@@ -2,6 +2,7 @@
 #include "las/las_notes.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 /* Each nearest to its power of ten, as another program would read it. */
 static const double decimal[] = { 1e0,  1e-1, 1e-2, 1e-3,  1e-4,  1e-5, 1e-6,
@@ -32,36 +33,36 @@ static bool gives_back(const las_grid *grid, const scan_column *column, size_t c
 	return true;
 }
 
-/* A grid that a LAS file had which is part of the scan. */
-static bool find_own(const scan *cloud, const scan_column *column, int axis, las_grid *grid)
+static const char *const axes[3] = { "x", "y", "z" };
+
+/* Whether two comments are the grid that a LAS file had which is part of the scan. */
+static bool read_own(const scan *cloud, size_t comment, int axis, las_grid *grid)
 {
-	for (size_t c = 0; c + 1 < cloud->comment_count; c++) {
-		double scale[3], offset[3];
-		if (las_note_read(cloud->comment[c], "scale", scale, 3) != 3 ||
-			las_note_read(cloud->comment[c + 1], "offset", offset, 3) != 3)
-			continue;
-		grid->scale = scale[axis];
-		grid->offset = offset[axis];
-		bool usable = isfinite(grid->scale) && grid->scale != 0.0 && isfinite(grid->offset);
-		if (usable && gives_back(grid, column, cloud->count))
-			return true;
-	}
-	return false;
+	double scale[3], offset[3];
+	if (las_note_read(cloud->comment[comment], "scale", scale, 3) != 3 ||
+		las_note_read(cloud->comment[comment + 1], "offset", offset, 3) != 3)
+		return false;
+	*grid = (las_grid){ .scale = scale[axis], .offset = offset[axis], .exact = true };
+	return isfinite(grid->scale) && grid->scale != 0.0 && isfinite(grid->offset);
 }
 
-static bool find_decimal(const scan *cloud, const scan_column *column, double middle,
-						 las_grid *grid)
+static gw_status fail_memory(const char *name, gw_error *error)
 {
-	for (size_t d = 0; d < DECIMALS; d++) {
-		grid->scale = decimal[d];
-		grid->offset = 0.0;
-		if (gives_back(grid, column, cloud->count))
-			return true;
-		grid->offset = middle;
-		if (gives_back(grid, column, cloud->count))
-			return true;
-	}
-	return false;
+	return gw_fail(error, GW_ERROR_MEMORY, "no memory to write %s", name);
+}
+
+static gw_status begin(las_grid_search *s, const scan *cloud, int axis, const char *name,
+					   gw_error *error)
+{
+	s->candidate = calloc(cloud->comment_count + 1, sizeof *s->candidate);
+	if (!s->candidate)
+		return fail_memory(name, error);
+	for (size_t c = 0; c + 1 < cloud->comment_count; c++)
+		s->count += read_own(cloud, c, axis, &s->candidate[s->count]);
+	s->begun = true;
+	s->minimum = INFINITY;
+	s->maximum = -INFINITY;
+	return GW_OK;
 }
 
 /* The finest decimal grid around an offset that reaches from end to end. */
@@ -76,46 +77,132 @@ static bool find_finest(double minimum, double maximum, double middle, las_grid 
 	return false;
 }
 
-static gw_status find_bounds(const scan *cloud, const scan_column *column, const char *name,
-							 double *minimum, double *maximum, gw_error *error)
+static gw_status add_bounds(las_grid_search *s, const scan *part, const scan_column *column,
+							const char *name, gw_error *error)
 {
-	*minimum = cloud->count ? INFINITY : 0.0;
-	*maximum = cloud->count ? -INFINITY : 0.0;
-	for (size_t i = 0; i < cloud->count; i++) {
+	for (size_t i = 0; i < part->count; i++) {
 		double value = scan_value(column, i);
 		if (!isfinite(value))
 			return gw_fail(
 				error, GW_ERROR_DATA,
-				"%s: the coordinate %s of point %zu is no number, which LAS cannot hold; "
+				"%s: the coordinate %s of point %llu is no number, which LAS cannot hold; "
 				"write PLY",
-				name, column->name, i);
-		*minimum = fmin(*minimum, value);
-		*maximum = fmax(*maximum, value);
+				name, column->name, (unsigned long long)(s->points + i));
+		s->minimum = fmin(s->minimum, value);
+		s->maximum = fmax(s->maximum, value);
 	}
 	return GW_OK;
 }
 
-gw_status las_grid_find(const scan *cloud, int axis, const char *name, las_grid *grid,
-						gw_error *error)
+/* alone: no other part comes, and what is behind the first that holds is not wanted */
+static void try_candidates(las_grid_search *s, const scan *part, const scan_column *column,
+						   bool alone)
 {
-	static const char *const axes[3] = { "x", "y", "z" };
-	const scan_column *column = scan_find(cloud, axes[axis]);
-	double minimum, maximum;
+	bool found = false;
+	for (size_t c = 0; c < s->count; c++) {
+		las_grid *grid = &s->candidate[c];
+		grid->exact = grid->exact && !found && gives_back(grid, column, part->count);
+		found = alone && (found || grid->exact);
+	}
+}
+
+static gw_status add(las_grid_search *s, const scan *part, int axis, const char *name, bool alone,
+					 gw_error *error)
+{
+	const scan_column *column = scan_find(part, axes[axis]);
 	if (!column)
 		return gw_fail(error, GW_ERROR_DATA, "%s: the points have no coordinate '%s'", name,
 					   axes[axis]);
-	GW_TRY(find_bounds(cloud, column, name, &minimum, &maximum, error));
-	double middle = floor(0.5 * minimum + 0.5 * maximum);
-	grid->exact = find_own(cloud, column, axis, grid) || find_decimal(cloud, column, middle, grid);
-	if (!grid->exact && !find_finest(minimum, maximum, middle, grid))
+	if (!s->begun)
+		GW_TRY(begin(s, part, axis, name, error));
+	if (!s->decimal)
+		GW_TRY(add_bounds(s, part, column, name, error));
+	try_candidates(s, part, column, alone);
+	s->points += part->count;
+	return GW_OK;
+}
+
+gw_status las_grid_search_add(las_grid_search *s, const scan *part, int axis, const char *name,
+							  gw_error *error)
+{
+	return add(s, part, axis, name, false, error);
+}
+
+static const las_grid *find_exact(const las_grid_search *s)
+{
+	size_t c = 0;
+	while (c < s->count && !s->candidate[c].exact)
+		c++;
+	return c < s->count ? &s->candidate[c] : NULL;
+}
+
+static double middle_of(const las_grid_search *s)
+{
+	return s->points > 0 ? floor(0.5 * s->minimum + 0.5 * s->maximum) : 0.0;
+}
+
+/* Own grids are of the first round, decimal ones, about the middle that it finds, of the second. */
+gw_status las_grid_search_go_on(las_grid_search *s, const char *name, bool *again, gw_error *error)
+{
+	*again = !s->decimal && s->begun && !find_exact(s);
+	if (!*again)
+		return GW_OK;
+	double middle = middle_of(s);
+	las_grid *candidate = calloc(DECIMALS, 2 * sizeof *candidate);
+	if (!candidate)
+		return fail_memory(name, error);
+	for (size_t d = 0; d < 2 * DECIMALS; d++)
+		candidate[d] =
+			(las_grid){ .scale = decimal[d / 2], .offset = d % 2 ? middle : 0.0, .exact = true };
+	free(s->candidate);
+	s->candidate = candidate;
+	s->count = 2 * DECIMALS;
+	s->decimal = true;
+	s->points = 0;
+	return GW_OK;
+}
+
+gw_status las_grid_search_take(const las_grid_search *s, int axis, const char *name, las_grid *grid,
+							   gw_error *error)
+{
+	double minimum = s->points > 0 ? s->minimum : 0.0, maximum = s->points > 0 ? s->maximum : 0.0;
+	const las_grid *exact = find_exact(s);
+	*grid = exact ? *exact : (las_grid){ .exact = false };
+	if (!exact && !find_finest(minimum, maximum, middle_of(s), grid))
 		return gw_fail(
 			error, GW_ERROR_DATA,
 			"%s: %s goes from %g to %g, and the 32-bit numbers of LAS would round that to "
 			"steps of over a millimetre; write PLY",
-			name, column->name, minimum, maximum);
+			name, axes[axis], minimum, maximum);
 	double low = las_grid_place(grid, minimum) * grid->scale + grid->offset;
 	double high = las_grid_place(grid, maximum) * grid->scale + grid->offset;
 	grid->minimum = fmin(low, high);
 	grid->maximum = fmax(low, high);
 	return GW_OK;
+}
+
+void las_grid_search_clear(las_grid_search *s)
+{
+	free(s->candidate);
+	*s = (las_grid_search){ 0 };
+}
+
+gw_status las_grid_search_alone(las_grid_search *s, const scan *cloud, int axis, const char *name,
+								gw_error *error)
+{
+	bool again;
+	GW_TRY(add(s, cloud, axis, name, true, error));
+	GW_TRY(las_grid_search_go_on(s, name, &again, error));
+	return again ? add(s, cloud, axis, name, true, error) : GW_OK;
+}
+
+gw_status las_grid_find(const scan *cloud, int axis, const char *name, las_grid *grid,
+						gw_error *error)
+{
+	las_grid_search search = { 0 };
+	gw_status status = las_grid_search_alone(&search, cloud, axis, name, error);
+	if (status == GW_OK)
+		status = las_grid_search_take(&search, axis, name, grid, error);
+	las_grid_search_clear(&search);
+	return status;
 }

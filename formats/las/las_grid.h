@@ -26,6 +26,32 @@ typedef struct las_grid {
 gw_status las_grid_find(const scan *cloud, int axis, const char *name, las_grid *grid,
 						gw_error *error);
 
+/* The same for a scan that comes part by part. Zeros begin it. */
+typedef struct las_grid_search {
+	las_grid *candidate; /* owned; in the order in which they are wanted */
+	size_t count;
+	double minimum, maximum;
+	uint64_t points; /* of this round */
+	bool begun, decimal;
+} las_grid_search;
+
+/* Looks at a part. Fails like las_grid_find; GW_ERROR_MEMORY. */
+gw_status las_grid_search_add(las_grid_search *search, const scan *part, int axis, const char *name,
+							  gw_error *error);
+
+/* To be called after all parts: sets *again when all have to be looked at once more. */
+gw_status las_grid_search_go_on(las_grid_search *search, const char *name, bool *again,
+								gw_error *error);
+
+/* All of this for a scan that is the only part. */
+gw_status las_grid_search_alone(las_grid_search *search, const scan *cloud, int axis,
+								const char *name, gw_error *error);
+
+/* The grid, when all is known. Fails like las_grid_find. */
+gw_status las_grid_search_take(const las_grid_search *search, int axis, const char *name,
+							   las_grid *grid, gw_error *error);
+void las_grid_search_clear(las_grid_search *search);
+
 /* The integer that stands for a coordinate. */
 int32_t las_grid_place(const las_grid *grid, double value);
 

@@ -181,36 +181,17 @@ static gw_status write_vlrs(const las_head *head, output_file *out, gw_error *er
 
 /* ----------------------------------------------------------------------------------- header */
 
-/* How many points have each return number from 1 to 15. */
-static void count_returns(const las_records *w, uint64_t count[15])
-{
-	const scan_column *column = NULL;
-	for (size_t f = 0; f < w->own; f++)
-		if (strcmp(w->layout.field[f].name, "return_number") == 0)
-			column = w->column[f];
-	memset(count, 0, 15 * sizeof *count);
-	if (!w->returns)
-		count[0] = w->cloud->count;
-	for (size_t i = 0; column && i < w->cloud->count; i++) {
-		double number = scan_value(column, i);
-		if (number >= 1.0)
-			count[(int)number - 1]++;
-	}
-}
-
 /* Counts, in 64 bits; the old formats have them in 32 too, when they fit. */
 static void put_counts(const las_records *w, uint8_t *h)
 {
-	uint64_t returns[15];
-	count_returns(w, returns);
-	bool old = w->format < 6 && w->cloud->count <= UINT32_MAX;
-	store_64(h + 247, w->cloud->count);
+	bool old = w->format < 6 && w->total <= UINT32_MAX;
+	store_64(h + 247, w->total);
 	if (old)
-		store_32(h + 107, (uint32_t)w->cloud->count);
+		store_32(h + 107, (uint32_t)w->total);
 	for (size_t r = 0; r < 15; r++) {
-		store_64(h + 255 + 8 * r, returns[r]);
+		store_64(h + 255 + 8 * r, w->returned[r]);
 		if (old && r < 5)
-			store_32(h + 111 + 4 * r, (uint32_t)returns[r]);
+			store_32(h + 111 + 4 * r, (uint32_t)w->returned[r]);
 	}
 }
 

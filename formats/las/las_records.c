@@ -8,31 +8,9 @@
 
 /* ------------------------------------------------------------------- which column goes where */
 
-/* True when a field holds every value of a column exactly. */
-static bool fits(const las_field *field, const scan_column *column, size_t count)
-{
-	if (field->kind == LAS_FLOAT64)
-		return column->type == SCAN_FLOAT64;
-	bool whole = field->bits == 0 && las_field_type(field) == column->type;
-	size_t bits = field->bits ? field->bits : 8 * las_kind_size(field->kind);
-	bool negative = field->kind == LAS_INT8 || field->kind == LAS_INT16;
-	double high = ldexp(1.0, (int)bits - negative) - 1.0, low = negative ? -high - 1.0 : 0.0;
-	for (size_t i = 0; i < count && !whole; i++) {
-		double value = scan_value(column, i);
-		if (!(value >= low && value <= high) || value != floor(value))
-			return false;
-	}
-	return true;
-}
-
-static bool is_color(const char *name)
-{
-	return strcmp(name, "red") == 0 || strcmp(name, "green") == 0 || strcmp(name, "blue") == 0;
-}
-
 /* True when all columns that are called like fields of the old formats go there, and none needs a
  * field that only new ones have. */
-static bool fits_old(const las_records *w, const las_layout *old)
+static bool fits_old(const las_records *w, const las_survey *survey)
 {
 	static const char *const only_new[] = { "scan_angle", "overlap", "scanner_channel", "nir" };
 	if (!scan_find(w->cloud, "scan_angle_rank"))
@@ -40,33 +18,41 @@ static bool fits_old(const las_records *w, const las_layout *old)
 	for (size_t i = 0; i < sizeof only_new / sizeof *only_new; i++)
 		if (scan_find(w->cloud, only_new[i]))
 			return false;
+	const las_layout *old = &survey->layout[LAS_OLD];
 	for (size_t f = 3; f < old->count; f++) {
 		const las_field *field = &old->field[f];
 		const scan_column *column = scan_find(w->cloud, field->name);
-		if (column && !is_color(field->name) && !fits(field, column, w->cloud->count))
+		if (column && !las_field_is_color(field->name) &&
+			!las_survey_fits(survey, LAS_OLD, field, column))
 			return false;
 	}
 	return true;
 }
 
+/* What colours count to. Bytes that the survey did not have are a preview of the light. */
+static bool find_color(las_records *w, const las_survey *survey)
+{
+	if (!scan_find(w->cloud, "red") || !scan_find(w->cloud, "green") ||
+		!scan_find(w->cloud, "blue") || !scan_color_find(w->cloud, scan_color_names, &w->color))
+		return false;
+	bool bytes = true;
+	for (int k = 0; k < 3; k++)
+		bytes = bytes && scan_type_size(w->color.column[k]->type) == 1;
+	if (!bytes && survey->color.count > 0)
+		scan_color_tally_settle(&survey->color, &w->color);
+	return true;
+}
+
 /* Formats 6 to 8 are what LAS 1.4 is for; points that come from an old format keep it, because a
  * scan angle in degrees and one in steps of 0.006 degrees are different numbers. */
-static gw_status choose_format(las_records *w, bool newer, gw_error *error)
+static void choose_format(las_records *w, const las_survey *survey, bool newer)
 {
-	const double zero[3] = { 0 };
-	las_layout old;
 	bool time = scan_find(w->cloud, "gps_time") != NULL;
 	w->returns = scan_find(w->cloud, "return_number") || scan_find(w->cloud, "number_of_returns");
-	w->colored = scan_find(w->cloud, "red") && scan_find(w->cloud, "green") &&
-				 scan_find(w->cloud, "blue") &&
-				 scan_color_find(w->cloud, scan_color_names, &w->color);
-	unsigned number = (time ? 1u : 0u) + (w->colored ? 2u : 0u);
-	GW_TRY(las_layout_make(&old, number, zero, zero, error));
-	if (newer || !fits_old(w, &old))
-		number = scan_find(w->cloud, "nir") ? 8 : w->colored ? 7 : 6;
-	las_layout_clear(&old);
-	w->format = number;
-	return GW_OK;
+	w->colored = find_color(w, survey);
+	w->format = (time ? 1u : 0u) + (w->colored ? 2u : 0u);
+	if (newer || !fits_old(w, survey))
+		w->format = scan_find(w->cloud, "nir") ? 8 : w->colored ? 7 : 6;
 }
 
 static bool is_written(const las_records *w, const char *name)
@@ -119,7 +105,7 @@ static const scan_column *find_rank(const scan *cloud)
 	return rank && rank->type == SCAN_INT8 ? rank : NULL;
 }
 
-static gw_status assign_columns(las_records *w, gw_error *error)
+static gw_status assign_columns(las_records *w, const las_survey *survey, gw_error *error)
 {
 	const double scale[3] = { w->grid[0].scale, w->grid[1].scale, w->grid[2].scale };
 	const double offset[3] = { w->grid[0].offset, w->grid[1].offset, w->grid[2].offset };
@@ -131,9 +117,11 @@ static gw_status assign_columns(las_records *w, gw_error *error)
 	for (size_t f = 0; f < w->own; f++) {
 		const las_field *field = &w->layout.field[f];
 		const scan_column *column = scan_find(w->cloud, field->name);
-		bool taken = is_color(field->name)
-						 ? w->colored
-						 : field->scaled || !column || fits(field, column, w->cloud->count);
+		bool taken =
+			las_field_is_color(field->name)
+				? w->colored
+				: field->scaled || !column ||
+					  las_survey_fits(survey, w->format < 6 ? LAS_OLD : LAS_NEW, field, column);
 		w->column[f] = taken ? column : NULL;
 		if (strcmp(field->name, "scan_angle") == 0 && !column)
 			w->column[f] = find_rank(w->cloud);
@@ -190,7 +178,7 @@ static void convert_field(const las_records *w, size_t f, size_t first, size_t c
 {
 	const las_field *field = &w->layout.field[f];
 	const scan_column *column = w->column[f];
-	bool color = is_color(field->name), angle = field->kind == LAS_INT16;
+	bool color = las_field_is_color(field->name), angle = field->kind == LAS_INT16;
 	size_t size = las_kind_size(field->kind), stride = w->layout.bytes;
 	for (size_t i = first; i < first + count; i++, to += stride) {
 		size_t row = w->order ? w->order[i] : i;
@@ -211,6 +199,10 @@ static void convert_field(const las_records *w, size_t f, size_t first, size_t c
 void las_records_put(const las_records *w, size_t first, size_t count, uint8_t *bytes)
 {
 	size_t stride = w->layout.bytes;
+	if (w->made) {
+		memcpy(bytes, w->made + first * stride, count * stride);
+		return;
+	}
 	memset(bytes, 0, count * stride);
 	for (size_t i = 0; i < count && !w->returns; i++)
 		bytes[i * stride + 14] = w->format < 6 ? 1 | 1 << 3 : 1 | 1 << 4;
@@ -228,14 +220,44 @@ void las_records_put(const las_records *w, size_t first, size_t count, uint8_t *
 
 /* ----------------------------------------------------------------------------- the whole */
 
+/* A point of which nothing is known of returns is the only one. */
+static void count_returns(las_records *w, const las_survey *survey)
+{
+	const scan_column *column = NULL;
+	for (size_t f = 0; f < w->own; f++)
+		if (strcmp(w->layout.field[f].name, "return_number") == 0)
+			column = w->column[f];
+	w->total = survey->count;
+	if (!w->returns)
+		w->returned[0] = survey->count;
+	if (column)
+		memcpy(w->returned, survey->returns, sizeof w->returned);
+}
+
+gw_status las_records_of_part(las_records *w, const las_survey *survey, const scan *part,
+							  bool newer, gw_error *error)
+{
+	*w = (las_records){ .name = survey->name, .cloud = part, .count = part->count };
+	choose_format(w, survey, newer);
+	for (int k = 0; k < 3; k++)
+		GW_TRY(las_grid_search_take(&survey->axis[k], k, w->name, &w->grid[k], error));
+	GW_TRY(assign_columns(w, survey, error));
+	count_returns(w, survey);
+	return GW_OK;
+}
+
 gw_status las_records_make(las_records *w, const scan *cloud, const char *name, bool newer,
 						   gw_error *error)
 {
-	*w = (las_records){ .name = name, .cloud = cloud };
-	GW_TRY(choose_format(w, newer, error));
-	for (int k = 0; k < 3; k++)
-		GW_TRY(las_grid_find(cloud, k, name, &w->grid[k], error));
-	return assign_columns(w, error);
+	las_survey survey;
+	*w = (las_records){ .name = name };
+	gw_status status = las_survey_begin(&survey, name, error);
+	if (status == GW_OK)
+		status = las_survey_all(&survey, cloud, error);
+	if (status == GW_OK)
+		status = las_records_of_part(w, &survey, cloud, newer, error);
+	las_survey_clear(&survey);
+	return status;
 }
 
 void las_records_clear(las_records *w)

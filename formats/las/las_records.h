@@ -5,9 +5,7 @@
 #ifndef LAS_RECORDS_H
 #define LAS_RECORDS_H
 
-#include "las/las_fields.h"
-#include "las/las_grid.h"
-#include "points/scan_color.h"
+#include "las/las_survey.h"
 
 /* What a record or the content of a VLR has at most. */
 #define LAS_LENGTH_MAX ((size_t)UINT16_MAX)
@@ -15,7 +13,11 @@
 typedef struct las_records {
 	const char *name; /* of the file, for messages */
 	const scan *cloud;
-	const size_t *order; /* which point of the cloud each is, or NULL: as they are there */
+	const uint8_t *made;   /* NULL, or all records, of layout.bytes; then there is no cloud */
+	size_t count;          /* records */
+	uint64_t total;        /* points of the file, and of them */
+	uint64_t returned[15]; /* those with each return number */
+	const size_t *order;   /* which point of the cloud each is, or NULL: as they are there */
 	unsigned format;
 	las_grid grid[3];
 	las_layout layout;
@@ -34,6 +36,10 @@ typedef struct las_records {
  */
 gw_status las_records_make(las_records *records, const scan *cloud, const char *name, bool newer,
 						   gw_error *error);
+
+/* The same for points that are a part of those that were surveyed. */
+gw_status las_records_of_part(las_records *records, const las_survey *survey, const scan *part,
+							  bool newer, gw_error *error);
 
 /* Writes points [first, first + count), each of records->layout.bytes. Several threads may. */
 void las_records_put(const las_records *records, size_t first, size_t count, uint8_t *bytes);

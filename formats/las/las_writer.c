@@ -1,39 +1,46 @@
 #include "las/las_format.h"
 #include "las/las_head.h"
+#include "las/las_whole.h"
 
-#include <stdlib.h>
-
-/* Bytes of records that are put together before they are handed on. */
-#define BLOCK_BYTES ((size_t)1 << 18)
-
-static gw_status write_points(const las_records *records, output_file *out, gw_error *error)
+static gw_status write_before(output_file *out, const las_records *records, gw_error *error)
 {
-	size_t record = records->layout.bytes, rows = BLOCK_BYTES / record;
-	uint8_t *block = reallocarray(NULL, rows, record);
-	if (!block)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory to write %s", records->name);
-	gw_status status = GW_OK;
-	for (size_t first = 0; first < records->cloud->count && status == GW_OK; first += rows) {
-		size_t rest = records->cloud->count - first, count = rest < rows ? rest : rows;
-		las_records_put(records, first, count, block);
-		status = output_file_write(out, block, count * record, error);
-	}
-	free(block);
+	las_head head = { 0 };
+	gw_status status = las_head_make(&head, records, error);
+	if (status == GW_OK)
+		status = las_head_write(&head, out, error);
+	las_head_clear(&head);
 	return status;
 }
 
 gw_status las_write(output_file *out, const scan *cloud, gw_error *error)
 {
 	las_records records;
-	las_head head = { 0 };
 	gw_status status = las_records_make(&records, cloud, output_file_name(out), false, error);
 	if (status == GW_OK)
-		status = las_head_make(&head, &records, error);
+		status = write_before(out, &records, error);
 	if (status == GW_OK)
-		status = las_head_write(&head, out, error);
-	if (status == GW_OK)
-		status = write_points(&records, out, error);
-	las_head_clear(&head);
+		status = las_whole_write_records(out, &records, error);
 	las_records_clear(&records);
 	return status;
 }
+
+static gw_status write_head(output_file *out, const format_whole *whole, const scan *first,
+							gw_error *error)
+{
+	las_records records;
+	gw_status status = las_records_of_part(&records, whole->survey, first, false, error);
+	if (status == GW_OK)
+		status = write_before(out, &records, error);
+	las_records_clear(&records);
+	return status;
+}
+
+const format_parted las_parted = {
+	.survey_begin = las_whole_begin,
+	.survey_add = las_whole_add,
+	.survey_go_on = las_whole_go_on,
+	.survey_clear = las_whole_clear,
+	.row = las_whole_row,
+	.write_head = write_head,
+	.write_rows = las_whole_write_rows,
+};

@@ -13,36 +13,29 @@
 
 static gw_status fail_memory(const laz_chunks *c, gw_error *error)
 {
-	return gw_fail(error, GW_ERROR_MEMORY, "no memory to compress %s", c->records->name);
+	return gw_fail(error, GW_ERROR_MEMORY, "no memory to compress %s", c->name);
 }
 
-static void place_chunks(laz_chunks *c)
+void laz_chunks_begin(laz_chunks *c, const las_records *records, uint32_t size, uint32_t threads)
 {
-	size_t total = c->records->cloud->count;
-	for (size_t k = 0; k < c->count; k++) {
-		size_t first = k * c->chunk_size, rest = total - first;
-		c->chunk[k].first = first;
-		c->chunk[k].count = rest < c->chunk_size ? rest : c->chunk_size;
-	}
-}
-
-gw_status laz_chunks_make(laz_chunks *c, const las_records *records, uint32_t size, size_t count,
-						  gw_error *error)
-{
-	*c = (laz_chunks){ .records = records, .chunk_size = size, .count = count };
-	size_t total = records->cloud->count;
+	*c = (laz_chunks){
+		.name = records->name, .records = records, .chunk_size = size, .threads = threads
+	};
 	c->items = laz_items_make(records->format, records->layout.bytes);
 	for (size_t i = 0; i < c->items.count; i++)
 		c->items.item[i].version = c->items.layered ? 3 : 2;
 	/* As many descriptions of extra bytes as a VLR holds are of fewer bytes. */
 	assert(c->items.item[c->items.count - 1].size <= LAZ_EXTRA_MAX);
-	if (size != LAZ_VARIABLE)
-		c->count = total / size + (total % size > 0);
-	c->chunk = calloc(c->count + 1, sizeof *c->chunk);
-	if (!c->chunk)
+}
+
+gw_status laz_chunks_add(laz_chunks *c, size_t count, gw_error *error)
+{
+	laz_chunk *grown = reallocarray(c->chunk, c->count + count + 1, sizeof *grown);
+	if (!grown)
 		return fail_memory(c, error);
-	if (size != LAZ_VARIABLE)
-		place_chunks(c);
+	c->chunk = grown;
+	memset(grown + c->count, 0, count * sizeof *grown);
+	c->count += count;
 	return GW_OK;
 }
 
@@ -82,6 +75,8 @@ static bool pack(const packing *p, struct worker *w, laz_chunk *k)
 	size_t record = p->chunks->items.record;
 	size_t most = record < BLOCK_BYTES ? BLOCK_BYTES / record : 1;
 	laz_points_begin(w->points);
+	for (size_t i = 0; i < k->ahead_count; i++)
+		laz_points_add(w->points, k->ahead + i * record);
 	for (size_t done = 0; done < k->count;) {
 		size_t n = k->count - done < most ? k->count - done : most;
 		las_records_put(p->chunks->records, k->first + done, n, w->block);
@@ -107,7 +102,7 @@ static void pack_chunks(void *user, size_t first, size_t last, uint32_t worker)
 
 gw_status laz_chunks_pack(laz_chunks *c, size_t first, size_t last, gw_error *error)
 {
-	uint32_t threads = gw_thread_count(0);
+	uint32_t threads = gw_thread_count(c->threads);
 	packing p = { .chunks = c, .begin = first, .worker = calloc(threads, sizeof *p.worker) };
 	if (!p.worker)
 		return fail_memory(c, error);

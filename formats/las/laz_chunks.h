@@ -13,29 +13,33 @@
 #include "las/laz_items.h"
 
 typedef struct laz_chunk {
-	size_t first, count; /* points; count > 0 */
+	uint8_t *ahead; /* records that come before the points, or NULL; not owned */
+	size_t ahead_count;
+	size_t first, count; /* points; ahead_count + count > 0 */
 	uint8_t *bytes;      /* owned; NULL: not compressed, or given back */
 	size_t length;       /* of bytes */
 } laz_chunk;
 
 typedef struct laz_chunks {
-	const las_records *records;
+	const char *name;           /* of the file, for messages */
+	const las_records *records; /* of the chunks that are to be compressed */
 	laz_items items;
-	uint32_t chunk_size; /* points, or LAZ_VARIABLE */
+	uint32_t chunk_size; /* points, or LAZ_VARIABLE; the last chunk may have less */
+	uint32_t threads;    /* 0: one a processor */
 	laz_chunk *chunk;    /* owned */
 	size_t count;
 } laz_chunks;
 
 /*
- * Says where chunks begin.
- *   chunks    to be given back with laz_chunks_clear, also on failure
- *   records   must live as long
- *   size      points of each chunk, the last one may have less; or LAZ_VARIABLE: then the caller
- *             says, of `count` chunks, first and count
- *   error     GW_ERROR_MEMORY
+ * Begins without any chunk, of which the caller then says what is in them.
+ *   chunks    to be given back with laz_chunks_clear
+ *   records   by which the items are made
  */
-gw_status laz_chunks_make(laz_chunks *chunks, const las_records *records, uint32_t size,
-						  size_t count, gw_error *error);
+void laz_chunks_begin(laz_chunks *chunks, const las_records *records, uint32_t size,
+					  uint32_t threads);
+
+/* Adds that many, all zeros. GW_ERROR_MEMORY. */
+gw_status laz_chunks_add(laz_chunks *chunks, size_t count, gw_error *error);
 
 /* Compresses chunks [first, last) on several threads. GW_ERROR_MEMORY. */
 gw_status laz_chunks_pack(laz_chunks *chunks, size_t first, size_t last, gw_error *error);

@@ -1,105 +1,98 @@
 #include "las/las_format.h"
-#include "las/las_head.h"
-#include "las/laz_chunks.h"
-#include "files/little_endian.h"
-#include "glowworm_host.h"
+#include "las/las_whole.h"
+#include "las/laz_output.h"
 
 #include <stdlib.h>
 
-#define CHUNK_POINTS 50000 /* as LASzip has it */
-
-#define PLACE_BYTES 8 /* before the first chunk: where the table of chunks is */
-
-/* Chunks that are compressed before they are written, for each thread. */
-#define CHUNKS_TOGETHER 4
-
-typedef struct writer {
-	output_file *out;
-	las_records records;
-	las_head head;
-	laz_chunks chunks;
-	uint64_t at; /* bytes so far */
-	gw_error *error;
-} writer;
-
-static gw_status write_bytes(writer *w, const void *bytes, size_t length)
+static gw_status write_all(laz_output *o, const las_records *records, output_file *out,
+						   gw_error *error)
 {
-	w->at += length;
-	return output_file_write(w->out, bytes, length, w->error);
-}
-
-/* Writes chunks that were compressed, and gives them back. */
-static gw_status write_chunks(writer *w, size_t first, size_t last)
-{
-	for (size_t k = first; k < last; k++) {
-		laz_chunk *chunk = &w->chunks.chunk[k];
-		GW_TRY(write_bytes(w, chunk->bytes, chunk->length));
-		free(chunk->bytes);
-		chunk->bytes = NULL;
-	}
-	return GW_OK;
-}
-
-static gw_status write_table(writer *w)
-{
-	uint8_t *table;
-	size_t length;
-	GW_TRY(laz_chunks_table(&w->chunks, &table, &length, w->error));
-	gw_status status = write_bytes(w, table, length);
-	free(table);
-	return status;
-}
-
-/* Some chunks at a time; where the table of chunks is, is said before them afterwards. */
-static gw_status write_to_file(writer *w)
-{
-	uint8_t place[PLACE_BYTES] = { 0 };
-	size_t together = CHUNKS_TOGETHER * (size_t)gw_thread_count(0), count = w->chunks.count;
-	GW_TRY(write_bytes(w, place, sizeof place));
-	for (size_t first = 0; first < count; first += together) {
-		size_t last = count - first < together ? count : first + together;
-		GW_TRY(laz_chunks_pack(&w->chunks, first, last, w->error));
-		GW_TRY(write_chunks(w, first, last));
-	}
-	store_64(place, w->at);
-	GW_TRY(write_table(w));
-	return output_file_patch(w->out, las_head_length(&w->head), place, sizeof place, w->error);
-}
-
-/* All chunks before the first byte. Their place could also stand at the very end, but few programs
- * look for it there. */
-static gw_status write_to_pipe(writer *w)
-{
-	uint8_t place[PLACE_BYTES];
-	uint64_t table = w->at + sizeof place;
-	GW_TRY(laz_chunks_pack(&w->chunks, 0, w->chunks.count, w->error));
-	for (size_t k = 0; k < w->chunks.count; k++)
-		table += w->chunks.chunk[k].length;
-	store_64(place, table);
-	GW_TRY(write_bytes(w, place, sizeof place));
-	GW_TRY(write_chunks(w, 0, w->chunks.count));
-	return write_table(w);
-}
-
-static gw_status write_all(writer *w, const scan *cloud)
-{
-	uint8_t vlr[LAZ_VLR_MOST];
-	GW_TRY(las_records_make(&w->records, cloud, output_file_name(w->out), false, w->error));
-	GW_TRY(laz_chunks_make(&w->chunks, &w->records, CHUNK_POINTS, 0, w->error));
-	GW_TRY(las_head_make(&w->head, &w->records, w->error));
-	size_t length = laz_chunks_vlr(&w->chunks, vlr);
-	GW_TRY(las_head_set(&w->head, LAS_HEAD_LASZIP, vlr, length, w->error));
-	GW_TRY(las_head_write(&w->head, w->out, w->error));
-	w->at = las_head_length(&w->head);
-	return output_file_temporary(w->out) ? write_to_file(w) : write_to_pipe(w);
+	if (!output_file_temporary(out))
+		return laz_output_append(o, records, out, error);
+	GW_TRY(laz_output_begin(o, records, out, error));
+	GW_TRY(laz_output_add(o, records, error));
+	return laz_output_end(o, error);
 }
 
 gw_status laz_write(output_file *out, const scan *cloud, gw_error *error)
 {
-	writer w = { .out = out, .error = error };
-	gw_status status = write_all(&w, cloud);
-	laz_chunks_clear(&w.chunks);
-	las_head_clear(&w.head);
-	las_records_clear(&w.records);
+	las_records records;
+	laz_output o = { .out = NULL };
+	gw_status status = las_records_make(&records, cloud, output_file_name(out), false, error);
+	if (status == GW_OK)
+		status = write_all(&o, &records, out, error);
+	laz_output_clear(&o);
+	las_records_clear(&records);
 	return status;
 }
+
+/* ------------------------------------------------------------------------------------ in parts */
+
+static gw_status write_head(output_file *out, const format_whole *whole, const scan *first,
+							gw_error *error)
+{
+	las_records records;
+	laz_output *o = whole->survey->packed = calloc(1, sizeof *o);
+	if (!o)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to write %s", whole->name);
+	if (!output_file_temporary(out))
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "%s: LAZ is written part by part to files alone, because it says before the "
+					   "points what is known after them; write LAS",
+					   whole->name);
+	gw_status status = las_records_of_part(&records, whole->survey, first, false, error);
+	if (status == GW_OK)
+		status = laz_output_begin(o, &records, out, error);
+	las_records_clear(&records);
+	return status;
+}
+
+static gw_status write_rows(output_file *out, const format_whole *whole, const scan *part,
+							gw_error *error)
+{
+	las_records records;
+	(void)out;
+	gw_status status = las_records_of_part(&records, whole->survey, part, false, error);
+	if (status == GW_OK)
+		status = laz_output_add(whole->survey->packed, &records, error);
+	las_records_clear(&records);
+	return status;
+}
+
+static gw_status pack_rows(output_file *out, const format_whole *whole, const format_loose *rows,
+						   gw_error *error)
+{
+	const las_records records = {
+		.name = whole->name, .made = rows->bytes, .count = rows->count, .layout.bytes = rows->row
+	};
+	(void)out;
+	return laz_output_add(whole->survey->packed, &records, error);
+}
+
+static gw_status write_end(output_file *out, const format_whole *whole, gw_error *error)
+{
+	(void)out;
+	return laz_output_end(whole->survey->packed, error);
+}
+
+static void survey_clear(format_whole *whole)
+{
+	laz_output *o = whole->survey ? whole->survey->packed : NULL;
+	if (o)
+		laz_output_clear(o);
+	free(o);
+	las_whole_clear(whole);
+}
+
+const format_parted laz_parted = {
+	.survey_begin = las_whole_begin,
+	.survey_add = las_whole_add,
+	.survey_go_on = las_whole_go_on,
+	.survey_clear = survey_clear,
+	.row = las_whole_row,
+	.write_head = write_head,
+	.write_rows = write_rows,
+	.write_end = write_end,
+	.write_loose = las_whole_write_rows,
+	.pack_loose = pack_rows,
+};

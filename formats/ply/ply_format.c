@@ -10,6 +10,11 @@ static bool probe(const uint8_t *head, size_t length)
 
 static const char *const extensions[] = { "ply", NULL };
 
+static const format_parted parted = {
+	.write_head = ply_write_head,
+	.write_rows = ply_write_rows,
+};
+
 const format ply_format = {
 	.name = "ply",
 	.description = "polygon file format, points only",
@@ -19,6 +24,5 @@ const format ply_format = {
 	.write = ply_write,
 	.count_rows = ply_count_rows,
 	.read_rows = ply_read_rows,
-	.write_head = ply_write_head,
-	.write_rows = ply_write_rows,
+	.parted = &parted,
 };

@@ -23,8 +23,9 @@ gw_status ply_write(output_file *out, const scan *cloud, gw_error *error);
  * no lists. */
 uint64_t ply_count_rows(input_file *in, uint64_t *together);
 gw_status ply_read_rows(input_file *in, const format_rows *rows, scan *cloud, gw_error *error);
-gw_status ply_write_head(output_file *out, const format_rows *rows, const scan *cloud,
+gw_status ply_write_head(output_file *out, const format_whole *whole, const scan *cloud,
 						 gw_error *error);
-gw_status ply_write_rows(output_file *out, const scan *cloud, gw_error *error);
+gw_status ply_write_rows(output_file *out, const format_whole *whole, const scan *cloud,
+						 gw_error *error);
 
 #endif

@@ -39,13 +39,13 @@ static gw_status write_property(output_file *out, const scan_column *column, gw_
 	return status;
 }
 
-gw_status ply_write_head(output_file *out, const format_rows *rows, const scan *cloud,
+gw_status ply_write_head(output_file *out, const format_whole *whole, const scan *cloud,
 						 gw_error *error)
 {
 	output_file_print(out, NULL, "ply\nformat binary_little_endian 1.0\n");
 	for (size_t c = 0; c < cloud->comment_count; c++)
 		GW_TRY(write_comment(out, cloud->comment[c], error));
-	output_file_print(out, NULL, "element vertex %llu\n", (unsigned long long)rows->count);
+	output_file_print(out, NULL, "element vertex %llu\n", (unsigned long long)whole->count);
 	for (size_t c = 0; c < cloud->column_count; c++)
 		GW_TRY(write_property(out, &cloud->column[c], error));
 	return output_file_print(out, error, "end_header\n");
@@ -63,8 +63,10 @@ static void fill_rows(uint8_t *rows, size_t stride, const scan *cloud, size_t fi
 	}
 }
 
-gw_status ply_write_rows(output_file *out, const scan *cloud, gw_error *error)
+gw_status ply_write_rows(output_file *out, const format_whole *whole, const scan *cloud,
+						 gw_error *error)
 {
+	(void)whole;
 	size_t stride = 0;
 	for (size_t c = 0; c < cloud->column_count; c++)
 		stride += scan_type_size(cloud->column[c].type);
@@ -84,6 +86,7 @@ gw_status ply_write_rows(output_file *out, const scan *cloud, gw_error *error)
 
 gw_status ply_write(output_file *out, const scan *cloud, gw_error *error)
 {
-	GW_TRY(ply_write_head(out, &(format_rows){ .count = cloud->count }, cloud, error));
-	return ply_write_rows(out, cloud, error);
+	const format_whole whole = { .count = cloud->count };
+	GW_TRY(ply_write_head(out, &whole, cloud, error));
+	return ply_write_rows(out, &whole, cloud, error);
 }

@@ -7,6 +7,7 @@
 
 #include "points/scan.h"
 
+struct format_survey;
 struct output_file; /* output_file.h: temporary name, checked writes, renamed when whole */
 struct input_file;  /* input_file.h: a file or standard input as bytes in memory, with its length */
 
@@ -14,6 +15,52 @@ struct input_file;  /* input_file.h: a file or standard input as bytes in memory
 typedef struct format_rows {
 	uint64_t first, count;
 } format_rows;
+
+/* A file that is written part by part. */
+typedef struct format_whole {
+	const char *name;             /* for messages; lives as long */
+	uint64_t count;               /* points that will be in it */
+	struct format_survey *survey; /* what its format knows of all of them, and keeps while it is
+									 written; NULL: nothing */
+} format_whole;
+
+/* Rows of points, each as write_rows or write_loose has it. */
+typedef struct format_loose {
+	const uint8_t *bytes; /* row * count */
+	size_t row, count;
+} format_loose;
+
+/* How files of a format are written part by part: all points are surveyed, in order, then comes
+ * what goes before them, by the columns of the first; then part after part, and what goes behind.
+ */
+typedef struct format_parted {
+	/* NULL: nothing has to be known of points before the first is written; then all of these are.
+	 * The survey is given back by survey_clear, also on failure. */
+	gw_status (*survey_begin)(format_whole *whole, gw_error *error);
+	gw_status (*survey_add)(format_whole *whole, const scan *part, gw_error *error);
+	/* After all parts. Sets *again when all have to be added once more. Fails where the format
+	 * cannot hold them. */
+	gw_status (*survey_go_on)(format_whole *whole, bool *again, gw_error *error);
+	void (*survey_clear)(format_whole *whole);
+
+	/* Bytes of a row; NULL: what its columns take. */
+	gw_status (*row)(const format_whole *whole, const scan *part, size_t *row, gw_error *error);
+
+	gw_status (*write_head)(struct output_file *out, const format_whole *whole, const scan *first,
+							gw_error *error);
+	gw_status (*write_rows)(struct output_file *out, const format_whole *whole, const scan *part,
+							gw_error *error);
+	gw_status (*write_end)(struct output_file *out, const format_whole *whole,
+						   gw_error *error); /* NULL: nothing */
+
+	/* NULL: write_rows writes rows of that length, one after the other, wherever their place is.
+	 * Else parts are written in order and to a file alone; then rows as such are written to any
+	 * file by write_loose, and from there put where write_rows would have by pack_loose. */
+	gw_status (*write_loose)(struct output_file *out, const format_whole *whole, const scan *part,
+							 gw_error *error);
+	gw_status (*pack_loose)(struct output_file *out, const format_whole *whole,
+							const format_loose *rows, gw_error *error);
+} format_parted;
 
 typedef struct format {
 	const char *name;              /* "ply", as on the command line */
@@ -63,11 +110,8 @@ typedef struct format {
 	/* Writes a scan: all columns in order. NULL when the format cannot be written. */
 	gw_status (*write)(struct output_file *out, const scan *scan, gw_error *error);
 
-	/* The same in parts, or NULL: what goes before all points, which are as many as rows->count and
-	 * have the columns of a scan; then scan after scan. */
-	gw_status (*write_head)(struct output_file *out, const format_rows *rows, const scan *scan,
-							gw_error *error);
-	gw_status (*write_rows)(struct output_file *out, const scan *scan, gw_error *error);
+	/* How it is written part by part, or NULL. */
+	const format_parted *parted;
 } format;
 
 /* How to read a file; zeros ask the file itself. */

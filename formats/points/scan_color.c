@@ -37,13 +37,13 @@ static double unwrapped(const scan_column *column, size_t i)
 
 /* What colours may count up to, and how far values may go beyond it: computed ones come out a
  * little over 1. */
-static const double full_of[] = { 1.0, 255.0, 1023.0, 4095.0, 65535.0 };
-static const double most_of[] = { 1.5, 255.0, 1023.0, 4095.0, 65535.0 };
-#define FULLS (sizeof full_of / sizeof *full_of)
+static const double full_of[SCAN_COLOR_FULLS] = { 1.0, 255.0, 1023.0, 4095.0, 65535.0 };
+static const double most_of[SCAN_COLOR_FULLS] = { 1.5, 255.0, 1023.0, 4095.0, 65535.0 };
+#define FULLS SCAN_COLOR_FULLS
 #define ODD 1000 /* one in so many values may be larger than full */
 
 /* Counts values above each of the limits; what is larger than all of them, and bad, is none. */
-static void count_above(const scan_column *column, size_t count, size_t above[FULLS],
+static void count_above(const scan_column *column, size_t count, uint64_t above[FULLS],
 						double *largest)
 {
 	for (size_t i = 0; i < count; i++) {
@@ -86,26 +86,36 @@ static bool find_columns(const scan *cloud, const char *const name[3], scan_colo
 	return found;
 }
 
-bool scan_color_find(const scan *cloud, const char *const name[3], scan_color *color)
+void scan_color_tally_settle(const scan_color_tally *tally, scan_color *color)
 {
-	if (!find_columns(cloud, name, color))
-		return false;
-	double largest = 0.0;
-	bool floats = false, bytes = true;
-	size_t above[FULLS] = { 0 };
-	for (int k = 0; k < 3; k++) {
-		scan_type type = color->column[k]->type;
-		floats = floats || type == SCAN_FLOAT32 || type == SCAN_FLOAT64;
-		bytes = bytes && (type == SCAN_UINT8 || type == SCAN_INT8);
-		count_above(color->column[k], cloud->count, above, &largest);
-	}
-	size_t full = floats ? 0 : 1;
-	while (full + 1 < FULLS && above[full] > 3 * cloud->count / ODD)
+	size_t full = tally->floats ? 0 : 1;
+	while (full + 1 < FULLS && tally->above[full] > 3 * tally->count / ODD)
 		full++;
 	color->range = full_of[full];
-	color->black = largest <= 0.0;
-	color->told = !color->black && !bytes && color->range != (floats ? 1.0 : 65535.0);
+	color->black = tally->largest <= 0.0;
+	color->told = !color->black && tally->wide && color->range != (tally->floats ? 1.0 : 65535.0);
+}
+
+bool scan_color_tally_add(scan_color_tally *tally, const scan *part, const char *const name[3],
+						  scan_color *color)
+{
+	if (!find_columns(part, name, color))
+		return false;
+	for (int k = 0; k < 3; k++) {
+		scan_type type = color->column[k]->type;
+		tally->floats = tally->floats || type == SCAN_FLOAT32 || type == SCAN_FLOAT64;
+		tally->wide = tally->wide || (type != SCAN_UINT8 && type != SCAN_INT8);
+		count_above(color->column[k], part->count, tally->above, &tally->largest);
+	}
+	tally->count += part->count;
+	scan_color_tally_settle(tally, color);
 	return true;
+}
+
+bool scan_color_find(const scan *cloud, const char *const name[3], scan_color *color)
+{
+	scan_color_tally tally = { 0 };
+	return scan_color_tally_add(&tally, cloud, name, color);
 }
 
 /* The 32 bits of a packed colour; false when the value is none. PCL stores the bits of an integer

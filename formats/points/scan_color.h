@@ -34,6 +34,23 @@ bool scan_find_triple(const scan *scan, const char *const name[3], const scan_co
  */
 bool scan_color_find(const scan *scan, const char *const name[3], scan_color *color);
 
+#define SCAN_COLOR_FULLS 5
+
+/* What the values of colours that come part by part tell of what they count to. Zeros begin it. */
+typedef struct scan_color_tally {
+	uint64_t count,
+		above[SCAN_COLOR_FULLS]; /* points; values above each of the numbers that may be full */
+	double largest;
+	bool floats, wide; /* some column is of floats, or of more than a byte */
+} scan_color_tally;
+
+/* Adds a part, if it has such columns; *color receives them as far as parts so far tell. */
+bool scan_color_tally_add(scan_color_tally *tally, const scan *part, const char *const name[3],
+						  scan_color *color);
+
+/* What all parts tell of a colour's columns. */
+void scan_color_tally_settle(const scan_color_tally *tally, scan_color *color);
+
 /*
  * Takes red, green and blue, 8 bits each, out of a column rgb or rgba that holds all of them as one
  * number, or as the bits of a float, and puts them into its place; unless there are colours

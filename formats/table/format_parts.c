@@ -99,6 +99,54 @@ gw_status format_parts_follow(format_parts *parts, const scan *kept, gw_error *e
 			   : gw_fail(error, GW_ERROR_MEMORY, "no memory for the columns of %s", parts->in.name);
 }
 
+/* One round. */
+static gw_status survey_parts(format_parts *parts, const format_survey_use *use,
+							  format_whole *whole, gw_error *error)
+{
+	for (uint64_t first = 0; first < parts->count; first += use->step) {
+		scan part;
+		GW_TRY(format_parts_read(parts, first, use->step, &part, error));
+		gw_status status = use->format->parted->survey_add(whole, &part, error);
+		scan_clear(&part);
+		GW_TRY(status);
+		GW_TRY(use->check(error));
+	}
+	return GW_OK;
+}
+
+gw_status format_parts_survey(format_parts *parts, const format_survey_use *use,
+							  format_whole *whole, gw_error *error)
+{
+	const format_parted *parted = use->format->parted;
+	whole->count = parts->count;
+	if (!parted->survey_begin)
+		return GW_OK;
+	GW_TRY(parted->survey_begin(whole, error));
+	for (bool again = true; again;) {
+		GW_TRY(survey_parts(parts, use, whole, error));
+		GW_TRY(parted->survey_go_on(whole, &again, error));
+	}
+	return GW_OK;
+}
+
+void format_whole_clear(const format *to, format_whole *whole)
+{
+	if (to && to->parted && to->parted->survey_clear)
+		to->parted->survey_clear(whole);
+	*whole = (format_whole){ .count = 0 };
+}
+
+gw_status format_whole_row(const format *to, const format_whole *whole, const scan *part,
+						   size_t *row, gw_error *error)
+{
+	if (to->parted->row)
+		return to->parted->row(whole, part, row, error);
+	*row = 0;
+	for (size_t c = 0; c < part->column_count; c++)
+		*row += scan_type_size(part->column[c].type);
+	return GW_OK;
+}
+
 void format_parts_close(format_parts *parts)
 {
 	input_file_close(&parts->in);

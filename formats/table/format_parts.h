@@ -45,6 +45,26 @@ gw_status format_parts_settle(format_parts *parts, scan *kept, gw_error *error);
 /* From now on parts have the columns that such points have. Fails like format_parts_read. */
 gw_status format_parts_follow(format_parts *parts, const scan *kept, gw_error *error);
 
+/*
+ * Surveys all points of the file for a format in which they will be written part by part; nothing,
+ * where the format does not ask for it.
+ *   whole   its name is set; count and survey are received. To be given back with
+ *           format_whole_clear, also on failure
+ *   check   asked now and then; its failure ends the survey
+ */
+typedef struct format_survey_use {
+	const format *format;
+	size_t step; /* points that are read at once */
+	gw_status (*check)(gw_error *error);
+} format_survey_use;
+gw_status format_parts_survey(format_parts *parts, const format_survey_use *use,
+							  format_whole *whole, gw_error *error);
+void format_whole_clear(const format *to, format_whole *whole);
+
+/* Bytes of a row of a scan in such a file. */
+gw_status format_whole_row(const format *to, const format_whole *whole, const scan *part,
+						   size_t *row, gw_error *error);
+
 void format_parts_close(format_parts *parts);
 
 #endif

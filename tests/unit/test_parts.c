@@ -265,14 +265,14 @@ static void write_parts(const char *path, const scan *cloud, size_t part_points)
 	gw_error error;
 	output_file *out;
 	const format *ply = format_by_name("ply");
-	const format_rows all = { .count = cloud->count };
+	const format_whole all = { .count = cloud->count };
 	assert_ok(output_file_create(&out, path, true, &error), &error);
 	for (size_t first = 0; first < cloud->count; first += part_points) {
 		size_t left = cloud->count - first;
 		scan part = rows_of(cloud, first, left < part_points ? left : part_points);
 		if (first == 0)
-			assert_ok(ply->write_head(out, &all, &part, &error), &error);
-		assert_ok(ply->write_rows(out, &part, &error), &error);
+			assert_ok(ply->parted->write_head(out, &all, &part, &error), &error);
+		assert_ok(ply->parted->write_rows(out, &all, &part, &error), &error);
 		scan_clear(&part);
 	}
 	assert_ok(output_file_commit(&out, &error), &error);
