@@ -2,6 +2,8 @@
 
 PREFIX  ?= /usr/local
 DESTDIR ?=
+LIBDIR  ?= $(PREFIX)/lib
+ZSHDIR  ?= $(PREFIX)/share/zsh/site-functions
 BUILD   ?= build
 JOBS    ?= $(shell nproc)
 CC      ?= gcc
@@ -119,7 +121,7 @@ LIB_OBJECTS     := $(call objects,$(LIB_SOURCES)) $(KERNEL_OBJECTS)
 MAN_PAGES       := $(patsubst %.in,$(BUILD)/%,$(wildcard man/*.1.in))
 COMPLETIONS     := $(addprefix $(BUILD)/completion.,bash zsh fish)
 
-.PHONY: all check deps deps-interop demo gallery test test-interop test-sanitize test-programs sanitized-programs chosen-programs analysis coverage torture fuzz valgrind bench bench-formats tradeoff lint install uninstall help clean FORCE
+.PHONY: all check deb deps deps-deb deps-interop demo dist gallery manual release-check test test-interop test-sanitize test-programs sanitized-programs chosen-programs analysis coverage torture fuzz valgrind bench bench-formats tradeoff lint install uninstall help clean FORCE
 all: $(BUILD)/glowworm $(PLUGINS) $(BUILD)/libglowworm.so $(SAMPLE_PROGRAMS) $(LIBRARY_SAMPLE) \
 		$(MAN_PAGES) $(COMPLETIONS)  ## build program, library and samples
 
@@ -168,7 +170,7 @@ $(LIBRARY_SAMPLE): $(LIBRARY_SAMPLE).o $(BUILD)/libglowworm.so
 BUILD_FLAGS := $(BUILD)/build_flags.inc
 $(BUILD_FLAGS): FORCE
 	@mkdir -p $(@D)
-	@echo '"$(strip $(filter-out -I% -W%,$(CFLAGS)) $(filter -Wl$(comma)%,$(LDFLAGS)))"' \
+	@echo '"$(strip $(filter-out -I% -W% -ffile-prefix-map=%,$(CFLAGS)) $(filter -Wl$(comma)%,$(LDFLAGS)))"' \
 		'/* lib: $(LIB_FLAGS) */' >$@.new
 	@cmp -s $@.new $@ && rm $@.new || mv $@.new $@
 
@@ -229,6 +231,21 @@ $(BUILD)/man/%.1: man/%.1.in $(BUILD)/glowworm
 	sed -e '/^@OPTIONS@$$/{r $@.options' -e 'd}' \
 		-e "s/@VERSION@/$$($(BUILD)/glowworm --version | cut -d ' ' -f 2)/" $< >$@.new
 	@rm $@.options && mv $@.new $@
+
+# What the samples' generators say of their options stands as they print it.
+$(BUILD)/man/make_%.1: man/make_%.1.in $(BUILD)/samples/make_%
+	@mkdir -p $(@D)
+	$(BUILD)/samples/make_$* --help | sed -e 's/-/\\-/g' >$@.options
+	sed -e '/^@OPTIONS@$$/{r $@.options' -e 'd}' -e 's/@VERSION@/$(VERSION)/' $< >$@.new
+	@rm $@.options && mv $@.new $@
+
+# All pages as one text, to be read or searched without man.
+$(BUILD)/manual.txt: $(MAN_PAGES)
+	@for page in $(sort $^); do groff -Kutf8 -Tutf8 -man -rLL=96n -P-cbou $$page || exit; done |\
+		cat -s >$@.new
+	@mv $@.new $@
+
+manual: $(BUILD)/manual.txt
 
 $(BUILD)/completion.%: $(BUILD)/glowworm
 	$< --generate $* >$@.new
@@ -324,6 +341,7 @@ test: deps  ## build and run all tests, and those that tests/not_sanitized leave
 	@tests/suite.sh build:unit build:physics build:shaders build:torture build:lint \
 		$(addprefix build:$(if $(WITH_PLAIN),,other-),hostile cli) \
 		$(addprefix build/sanitize:chosen-,unit hostile cli) $(if $(WITH_INTEROP),build:interop)
+	@tests/release/note_passed.sh build/tests_passed
 
 test-interop: deps  ## what CloudCompare, MeshLab, Blender and others make of our files
 	@$(build_quietly) all $(addprefix $(BUILD)/tests/bench/,bench_peers make_truth)
@@ -395,6 +413,9 @@ deps-interop:  ## the same for the programs that test-interop runs
 	@tests/install_packages.sh .debian-packages-interop
 	@tests/install_node_packages.sh build/interop
 
+deps-deb:  ## the same for the programs that deb runs
+	@tests/install_packages.sh .debian-packages-deb
+
 demo: deps  ## make a cave, light it and say what came out
 	@$(build_quietly) all
 	@GLOWWORM=$(BUILD)/glowworm MAKE_CAVE=$(BUILD)/samples/make_cave samples/demo.sh $(BUILD)/demo
@@ -411,12 +432,13 @@ tradeoff: deps  ## error, seconds and memory of many settings, into tests/bench/
 
 bin    = $(DESTDIR)$(PREFIX)/bin
 shared = $(DESTDIR)$(PREFIX)/share
-lib    = $(DESTDIR)$(PREFIX)/lib
-plugin = $(lib)/glowworm
+lib    = $(DESTDIR)$(LIBDIR)
+plugin = $(DESTDIR)$(PREFIX)/lib/glowworm
 header = $(DESTDIR)$(PREFIX)/include
 SAMPLES          = $(wildcard $(addprefix samples/,*.scene.json *.obj *.mtl *.sh *.py relight_room.c README.md))
 
-install: all  ## install under PREFIX (/usr/local), below DESTDIR if that is given
+# The program looks for plugins in ../lib/glowworm of its own folder, wherever the library lies.
+install: all  ## install under PREFIX (/usr/local), below DESTDIR if that is given; LIBDIR: the library
 	install -D -t $(bin) $(BUILD)/glowworm $(SAMPLE_PROGRAMS)
 	install -D -m 644 -t $(plugin) $(PLUGINS)
 	install -D -m 644 -t $(lib) $(BUILD)/$(SHARED) $(BUILD)/libglowworm.a
@@ -424,13 +446,13 @@ install: all  ## install under PREFIX (/usr/local), below DESTDIR if that is giv
 	ln -sf $(SONAME) $(lib)/libglowworm.so
 	install -D -m 644 -t $(header) $(PUBLIC_HEADERS)
 	mkdir -p $(lib)/pkgconfig
-	sed -e 's|@PREFIX@|$(PREFIX)|; s|@VERSION@|$(VERSION)|' lib/libglowworm.pc.in \
-		>$(lib)/pkgconfig/libglowworm.pc
+	sed -e 's|@PREFIX@|$(PREFIX)|; s|@LIBDIR@|$(LIBDIR:$(PREFIX)/%=$${prefix}/%)|' \
+		-e 's|@VERSION@|$(VERSION)|' lib/libglowworm.pc.in >$(lib)/pkgconfig/libglowworm.pc
 	install -D -m 644 -t $(shared)/glowworm/samples $(SAMPLES)
 	chmod 755 $(shared)/glowworm/samples/*.sh $(shared)/glowworm/samples/*.py
 	install -D -m 644 -t $(shared)/man/man1 $(MAN_PAGES)
 	install -D -m 644 $(BUILD)/completion.bash $(shared)/bash-completion/completions/glowworm
-	install -D -m 644 $(BUILD)/completion.zsh $(shared)/zsh/site-functions/_glowworm
+	install -D -m 644 $(BUILD)/completion.zsh $(DESTDIR)$(ZSHDIR)/_glowworm
 	install -D -m 644 $(BUILD)/completion.fish $(shared)/fish/vendor_completions.d/glowworm.fish
 
 uninstall:  ## remove what install put there
@@ -439,8 +461,20 @@ uninstall:  ## remove what install put there
 	rm -f $(addprefix $(lib)/,$(SHARED) $(SONAME) libglowworm.so libglowworm.a pkgconfig/libglowworm.pc)
 	rm -f $(addprefix $(header)/,$(notdir $(PUBLIC_HEADERS)))
 	rm -f $(addprefix $(shared)/man/man1/,$(notdir $(MAN_PAGES)))
-	rm -f $(shared)/bash-completion/completions/glowworm $(shared)/zsh/site-functions/_glowworm
+	rm -f $(shared)/bash-completion/completions/glowworm $(DESTDIR)$(ZSHDIR)/_glowworm
 	rm -f $(shared)/fish/vendor_completions.d/glowworm.fish
+
+# ----------------------------------------------------------------------------------- release
+
+dist:  ## the sources as build/dist/glowworm-VERSION.tar.gz, always the same bytes
+	@tests/release/make_tarball.sh build/dist
+
+deb: deps deps-deb  ## Debian packages of what is committed, into build/deb; lintian has to be silent
+	@tests/release/make_deb.sh build/deb
+
+release-check: deps deps-deb  ## what a release has to have, item by item; takes what `make test` left
+	@$(build_quietly) config=release all
+	@tests/release/check_release.sh build/release
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 15
