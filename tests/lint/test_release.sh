@@ -35,7 +35,7 @@ if tar -tvf "$first" | awk '{ print $2 }' | sort -u | grep -vx 0/0; then
 	complain "the tarball says who made it"
 fi
 
-if [ -e "$root/.git" ]; then
+if is_clone "$root"; then
 	[ "$(git -C "$root" ls-files | wc -l)" -lt 100 ] && complain "git lists too few files"
 	git -C "$root" archive HEAD | tar -t | grep -v '/$' | sort >"$scratch/committed"
 	tar -tf "$first" | sed 's|^[^/]*/||' | grep -v -e '/$' -e '^$' | sort |

@@ -10,7 +10,7 @@ folder=$(cd "$1" && pwd)
 cd "$root"
 scratch=$(mktemp -d "$folder/tree.XXXXXX")
 trap 'rm -rf "$scratch"' EXIT
-if [ -e .git ]; then
+if is_clone "$root"; then
 	[ -z "$(git status --porcelain)" ] ||
 		echo "make_tarball.sh: what is not committed is not in it (git status)" >&2
 	git archive HEAD | tar -x -C "$scratch"

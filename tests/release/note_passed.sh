@@ -5,6 +5,6 @@
 . "$(dirname "$0")/release_words"
 rm -f "$root/$1"
 cd "$root"
-if [ -e .git ] && [ -z "$(git status --porcelain)" ]; then
+if is_clone "$root" && [ -z "$(git status --porcelain)" ]; then
 	git rev-parse HEAD >"$1"
 fi
