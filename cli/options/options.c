@@ -703,7 +703,8 @@ const option options[] = {
 	  .scene = true, AT(bake.memory), AUTOMATIC(0.0), .group = "Machine",
 	  .help = "bytes that a bake may use, with K, M, G or T behind the number; auto is most of "
 			  "what is free. Where they do not hold all points, as many make the surface as "
-			  "fit; of binary PLY, LAS and LAZ baked to PLY the others are never all in memory" },
+			  "fit; of binary PLY, LAS and LAZ baked to one of these the others are never all in "
+			  "memory" },
 	{ "surface-points", 0, "N", OPTION_COUNT, FOR(BAKE | PLAN), .scene = true,
 	  AT(bake.surface_points), RANGE(1.0, 1e9), AUTOMATIC(0.0), .group = "Machine",
 	  .help = "points that the surface is made of at most, thinned most where they are densest; "
@@ -715,7 +716,7 @@ const option options[] = {
 	  .help = "of a cloud that memory does not hold, light all points by surfaces of all of them, "
 			  "place by place, where otherwise as many as memory holds make the surface: nearer to "
 			  "the light of all at once, in several times its time. So many tiles at least; more "
-			  "where --memory asks for them. Of binary PLY, LAS and LAZ baked to PLY" },
+			  "where --memory asks for them. Of binary PLY, LAS and LAZ baked to one of these" },
 	{ "device", 0, "NAME", OPTION_TEXT,
 	  FOR(BAKE | PLAN | TRADEOFF | RENDER | DOCTOR | ALBEDO | PROBES), .scene = true,
 	  AT(bake.device), .group = "Machine",

@@ -5,6 +5,7 @@
 #include "result/bake_columns.h"
 #include "result/light_mix.h"
 #include "scene/loaded_scene.h"
+#include "glowworm_host.h"
 #include "files/number_text.h"
 #include "files/output_file.h"
 #include "options/output_name.h"
@@ -188,8 +189,24 @@ static void clear_part(mixed_part *part)
 
 /* ----------------------------------------------------------------------------------- one by one */
 
-/* Whether the input can be read in parts, more than once, and the output written so. What is read
- * at once is in one part. */
+/* Where columns hang on all points, these are read once more, and LAZ takes its time: only where
+ * memory hardly holds them, with what is made of them. */
+static gw_status needs_parts(mixing *m, bool *parted)
+{
+	scan one;
+	uint64_t row = 0, available = gw_available_memory() / 2;
+	if (!m->parts.found->settle_rows)
+		return GW_OK;
+	GW_TRY(format_parts_read(&m->parts, 0, 1, &one, m->error));
+	for (size_t c = 0; c < one.column_count; c++)
+		row += scan_type_size(one.column[c].type);
+	scan_clear(&one);
+	*parted = row > 0 && m->parts.count > available / row;
+	return GW_OK;
+}
+
+/* Whether the input is read in parts, more than once, and the output written so. What is read at
+ * once is in one part. */
 static gw_status open_parts(mixing *m, bool *parted)
 {
 	const settings *s = m->settings;
@@ -201,9 +218,10 @@ static gw_status open_parts(mixing *m, bool *parted)
 	GW_TRY(format_parts_open(s->input[0].path, &options, &m->parts, m->error));
 	uint64_t together = m->parts.together;
 	*parted = m->parts.found && together <= PART_POINTS;
-	if (*parted)
-		m->step = together > 0 ? (size_t)(PART_POINTS / together * together) : PART_POINTS;
-	return GW_OK;
+	if (!*parted)
+		return GW_OK;
+	m->step = together > 0 ? (size_t)(PART_POINTS / together * together) : PART_POINTS;
+	return needs_parts(m, parted);
 }
 
 static gw_status use_part(mixing *m, uint64_t first, size_t count, mix_use *use)
@@ -287,13 +305,14 @@ static gw_status settle_shift(mixing *m)
 	return GW_OK;
 }
 
-/* Formats that tell by all points which columns there are have them read once. */
-static gw_status settle_columns(mixing *m)
+/* Formats that tell by all points which columns there are have them read once.
+ *   read   they were already */
+static gw_status settle_columns(mixing *m, bool read)
 {
 	scan one;
 	if (!m->parts.found->settle_rows)
 		return GW_OK;
-	for (uint64_t first = 0; first < m->parts.count; first += m->step) {
+	for (uint64_t first = 0; first < m->parts.count && !read; first += m->step) {
 		scan part;
 		GW_TRY(format_parts_read(&m->parts, first, m->step, &part, m->error));
 		scan_clear(&part);
@@ -318,9 +337,10 @@ static gw_status survey(mixing *m)
 static gw_status mix_parts(mixing *m)
 {
 	const format_parted *to = m->format->parted;
-	GW_TRY(settle_columns(m));
+	bool reads = to->survey_begin || m->shift.wanted;
 	GW_TRY(settle_shift(m));
 	GW_TRY(survey(m));
+	GW_TRY(settle_columns(m, reads));
 	GW_TRY(use_part(m, 0, 1, note_metering));
 	m->mix.own = m->mix.squares = 0.0;
 	m->passes = isnan(m->exposure) ? 3 : 1;

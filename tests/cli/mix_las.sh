@@ -1,7 +1,8 @@
 # Lit LAS and LAZ are mixed part by part, to LAS, LAZ and PLY: what mixing all at once makes of
-# them, but for the command that is in them; columns that hold nothing are none in the end.
+# them, but for the command that is in them; columns that hold nothing are none in the end. Parts
+# are for those that memory hardly holds: of addresses there are too few for more.
 # sanitize: no
-points=270000 # more than a part, which has 250,000 points of LAZ
+points=510000 # more than two parts, of 250,000 points of LAZ
 {
 	printf 'ply\nformat ascii 1.0\nelement vertex %d\n' $points
 	printf 'property float %s\n' x y z
@@ -15,9 +16,9 @@ points=270000 # more than a part, which has 250,000 points of LAZ
 			two, two, two } }'
 } >lit.txt.ply
 glowworm convert lit.txt.ply -o lit.laz
-mix() { glowworm mix "$1" --gain one=3 --gain two=0.5,1,2 -q -f -o "$2"; }
+mix() { from=$1; shift; glowworm mix "$from" --gain one=3 --gain two=0.5,1,2 -q -f -o "$@"; }
 for output in ply las laz; do
-	mix lit.laz parts.$output
+	(ulimit -v 110000 && mix lit.laz parts.$output -j 1)
 	mix - whole.$output <lit.laz
 	for file in parts whole; do
 		glowworm convert $file.$output - --output-format csv | md5sum >$file.sum
