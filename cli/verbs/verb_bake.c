@@ -12,6 +12,7 @@
 #include "scene/mesh_notes.h"
 #include "scene/region_text.h"
 #include "options/output_name.h"
+#include "options/output_system.h"
 #include "options/progress.h"
 #include "options/quality_preset.h"
 #include "program/ranks.h"
@@ -607,7 +608,10 @@ static gw_status write_points(bake *b)
 	if (b->scene.parted)
 		return parted_result_write(&b->all, b->output, &b->facts.exposure, b->error);
 	GW_TRY(lit_scan_make(&b->scene, b->result, b->settings, &b->lit, &b->facts.exposure, b->error));
-	return b->output ? b->format->write(b->output, &b->lit, b->error) : GW_OK;
+	if (!b->output)
+		return GW_OK;
+	GW_TRY(output_system_settle(b->format, &b->lit, b->settings->quiet, b->error));
+	return b->format->write(b->output, &b->lit, b->error);
 }
 
 /* The outputs that appear under their names when all of them are written. */

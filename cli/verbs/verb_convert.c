@@ -2,6 +2,7 @@
 #include "scene/file_roles.h"
 #include "files/output_file.h"
 #include "options/output_name.h"
+#include "options/output_system.h"
 #include "result/bake_columns.h"
 #include "program/signals.h"
 #include "program/text_quote.h"
@@ -61,6 +62,7 @@ static gw_status convert(const settings *s, scan *cloud, output_file **out, gw_e
 	GW_TRY(output_shift_apply(&shift, cloud, error));
 	if (s->las_radiance == SETTINGS_LAS_HALF)
 		bake_columns_round(cloud);
+	GW_TRY(output_system_settle(to, cloud, s->quiet, error));
 	GW_TRY(to->write(*out, cloud, error));
 	GW_TRY(signals_check(error));
 	return output_file_commit(out, error);

@@ -9,6 +9,7 @@
 #include "files/number_text.h"
 #include "files/output_file.h"
 #include "options/output_name.h"
+#include "options/output_system.h"
 #include "points/scan_shift.h"
 #include "options/preview.h"
 #include "options/progress.h"
@@ -371,6 +372,8 @@ static gw_status mix_whole(mixing *m)
 		output_shift_settle_by(&m->shift, &all.cloud, s->quiet);
 		status = finish_part(m, &all);
 	}
+	if (status == GW_OK)
+		status = output_system_settle(m->format, &all.cloud, s->quiet, m->error);
 	if (status == GW_OK)
 		status = m->format->write(m->output, &all.cloud, m->error);
 	clear_part(&all);

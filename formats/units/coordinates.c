@@ -181,6 +181,43 @@ static gw_status look_up(const char *name, coordinates *to, gw_error *error)
 	return GW_OK;
 }
 
+/* Whether keys say no unit beside the system that it does not have itself. */
+static bool has_those_units(const coordinates *c, const system_name *name)
+{
+	bool flat = !(name->linear > 0.0) || fabs(name->linear - c->scale[0]) < 1e-9;
+	return flat && (!(name->vertical > 0.0) || fabs(name->vertical - c->scale[2]) < 1e-9);
+}
+
+static gw_status add_wkt(scan *cloud, const system_name *name, bool *missing, gw_error *error)
+{
+	gw_error ignored = { 0 };
+	coordinates c = coordinates_metres();
+	bool known = look_up(name->text, &c, &ignored) == GW_OK && has_those_units(&c, name);
+	const char *wkt = known ? c.proj->wkt(c.system) : NULL;
+	gw_status status = wkt ? las_note_text(cloud, "wkt", wkt, strlen(wkt), error) : GW_OK;
+	*missing = !wkt;
+	coordinates_clear(&c);
+	return status;
+}
+
+gw_status coordinates_add_wkt(scan *cloud, bool *missing, gw_error *error)
+{
+	bool keys = false, wkt = false;
+	system_name name = { 0 };
+	for (size_t c = 0; c < cloud->comment_count; c++) {
+		keys = keys || las_note_find(cloud->comment[c], "geokeys");
+		wkt = wkt || las_note_find(cloud->comment[c], "wkt");
+	}
+	*missing = keys && !wkt;
+	if (!*missing)
+		return GW_OK;
+	gw_status status = name_by_keys(cloud, &name, error);
+	if (status == GW_OK && name.text)
+		status = add_wkt(cloud, &name, missing, error);
+	free(name.text);
+	return status;
+}
+
 gw_status coordinates_try(gw_error *error)
 {
 	coordinates c = coordinates_metres();

@@ -49,6 +49,12 @@ coordinates coordinates_metres(void);
 gw_status coordinates_find(scan *cloud, coordinates_unit unit, coordinates *to, gw_error *error);
 void coordinates_clear(coordinates *c);
 
+/* To a scan of whose coordinate system GeoTIFF keys alone tell adds it as WKT (las_notes.h), where
+ * PROJ knows it and it counts in the units that the keys say.
+ *   missing   receives whether there are keys, but no WKT after all
+ * GW_ERROR_MEMORY. */
+gw_status coordinates_add_wkt(scan *cloud, bool *missing, gw_error *error);
+
 /* Sees that systems which files name can be looked up. GW_ERROR_INTERNAL where the plugin or PROJ's
  * data is missing; GW_ERROR_MEMORY. */
 gw_status coordinates_try(gw_error *error);

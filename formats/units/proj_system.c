@@ -113,6 +113,12 @@ static void move(const proj_system *s, bool back, double place[2])
 	place[1] = at.xy.y;
 }
 
+static const char *wkt(const proj_system *s)
+{
+	static const char *const one_line[] = { "MULTILINE=NO", NULL };
+	return s->system ? proj_as_wkt(s->context, s->system, PJ_WKT1_GDAL, one_line) : NULL;
+}
+
 extern const proj_functions proj_system_functions;
-const proj_functions proj_system_functions = { create,  has_units, is_geographic,
-											   project, move,      destroy };
+const proj_functions proj_system_functions = { create,  has_units, is_geographic, project, move,
+											   destroy, wkt };

@@ -33,6 +33,10 @@ typedef struct proj_functions {
 	void (*move)(const proj_system *system, bool back, double place[2]);
 
 	void (*destroy)(proj_system *system);
+
+	/* The system as WKT 1 in one line, or NULL: PROJ does not know it, or it has none. Valid as
+	 * long as the system. */
+	const char *(*wkt)(const proj_system *system);
 } proj_functions;
 
 /* The one symbol of the shared object: a constant proj_functions. */
