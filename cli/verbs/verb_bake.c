@@ -375,6 +375,18 @@ static gw_status check_room_beside(const bake *b)
 	return s->vdb ? output_file_check_room(s->vdb, grid_bytes * count, b->error) : GW_OK;
 }
 
+/* Of a cloud that comes in parts all points are looked at for it. */
+static gw_status check_format(bake *b)
+{
+	if (!b->scene.parted)
+		return b->format->accept ? b->format->accept(&b->scene.cloud, b->settings->output, b->error)
+								 : GW_OK;
+	progress_show(&b->progress, "read", 0.0);
+	GW_TRY(parted_cloud_survey(&b->parted, b->settings->output, b->error));
+	progress_clear(&b->progress);
+	return GW_OK;
+}
+
 /* What is known of the results before hours of work: whether their format can hold the points, and
  * the disk the files. */
 static gw_status check_results(bake *b)
@@ -386,10 +398,7 @@ static gw_status check_results(bake *b)
 		return GW_OK;
 	if (b->output)
 		output_file_use_threads(b->output, s->bake.threads);
-	if (b->scene.parted)
-		GW_TRY(parted_cloud_survey(&b->parted, s->output, b->error));
-	else
-		GW_TRY(b->format->accept ? b->format->accept(&b->scene.cloud, s->output, b->error) : GW_OK);
+	GW_TRY(check_format(b));
 	row = b->format->row_bytes ? b->format->row_bytes : b->format->text ? 2 * columns : row;
 	if (b->parted.begun) /* what is there takes room already */
 		return GW_OK;
