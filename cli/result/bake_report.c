@@ -634,28 +634,39 @@ static bool is_notable(const gw_count *count, size_t points)
 	return count->points > 0 && (double)count->points >= least * (double)points;
 }
 
-/* Counts of points, whose meanings begin so, are told together; the length of that beginning. */
-static size_t is_of_points(const gw_count *count)
+/* Counts of points, whose meanings begin so, are told together; the length of that beginning. What
+ * is lit by the surface of others is so of all points, also where not all were kept. */
+static size_t is_of_points(const gw_count *count, bool kept)
 {
 	const char *begin = count->points == 1 ? "point " : "points ";
+	if (kept && strcmp(count->name, "beside_surface") == 0)
+		return 0;
 	return strncmp(count->meaning, begin, strlen(begin)) == 0 ? strlen(begin) : 0;
 }
 
 /* What became of which points, in one line, and what else was counted. */
-static void note_counts(const gw_report *r, size_t points)
+static void note_counts(const bake_facts *f)
 {
-	uint32_t together = 0, told = 0;
+	const gw_report *r = &f->result->report;
+	size_t points = f->result->count;
+	bool kept = f->scene->parted != NULL;
+	uint32_t together = 0, told = 0, listed = kept ? 1 : 2; /* from so many on */
+	char of[80] = "all points";
+	if (kept)
+		snprintf(of, sizeof of, "the %zu points that were kept", points);
 	for (uint32_t i = 0; i < r->count_count; i++)
-		together += is_of_points(&r->count[i]) > 0 && is_notable(&r->count[i], points);
+		together += is_of_points(&r->count[i], kept) > 0 && is_notable(&r->count[i], points);
 	for (uint32_t i = 0; i < r->count_count; i++)
-		if (is_notable(&r->count[i], points) && (together < 2 || !is_of_points(&r->count[i])))
+		if (is_notable(&r->count[i], points) &&
+			(together < listed || !is_of_points(&r->count[i], kept)))
 			fprintf(stderr, "glowworm: note: %" PRIu64 " %s\n", r->count[i].points,
 					r->count[i].meaning);
-	for (uint32_t i = 0; i < r->count_count && together >= 2; i++)
-		if (is_notable(&r->count[i], points) && is_of_points(&r->count[i])) {
-			fprintf(stderr, "%s%" PRIu64 " %s", told > 0 ? "; " : "glowworm: note: of all points, ",
-					r->count[i].points, r->count[i].meaning + is_of_points(&r->count[i]));
-			told++;
+	for (uint32_t i = 0; i < r->count_count && together >= listed; i++)
+		if (is_notable(&r->count[i], points) && is_of_points(&r->count[i], kept)) {
+			if (told++ == 0)
+				fprintf(stderr, "glowworm: note: of %s, ", of);
+			fprintf(stderr, "%s%" PRIu64 " %s", told > 1 ? "; " : "", r->count[i].points,
+					r->count[i].meaning + is_of_points(&r->count[i], kept));
 		}
 	if (told > 0)
 		fputc('\n', stderr);
@@ -701,7 +712,7 @@ void bake_report_notes(const bake_facts *f)
 {
 	const gw_report *r = &f->result->report;
 	doubt told = note_largest_doubt(f, r);
-	note_counts(r, f->result->count);
+	note_counts(f);
 	octree_note_print(r->leaf_size, r->wanted_leaf_size, r->why_coarser);
 	if (f->settings->bake.bounces != 0 && r->unlit_space)
 		note_unlit_space(f);
