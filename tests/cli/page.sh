@@ -35,7 +35,8 @@ def triples(cloud, prefix):
 lit = read("lit.ply")
 browser = Browser(560, 160, patience=120)
 browser.open("page.html")
-print("whole", browser.wait())
+said = "document.getElementById('message').textContent"
+print("whole", browser.wait(), browser.run(said) or "without complaint")
 scene = browser.run("glowworm.scene")
 print(scene["title"], [lamp["column"] for lamp in scene["lamps"]],
       [lamp["group"] for lamp in scene["lamps"]], [camera["name"] for camera in scene["cameras"]])
