@@ -7,6 +7,8 @@
  */
 const LEAST_ALBEDO = 0.004; /* what reflects less does not tell what falls on it */
 
+const HOLE = 48; /* samples, half of the widest hole that is closed */
+
 const HEAD = `#version 300 es
 precision highp float;
 precision highp int;
@@ -15,6 +17,7 @@ precision highp sampler2DArray;
 #define ROW ${scene.row}
 #define LAMPS ${scene.lamps.length}
 #define LEAST_ALBEDO ${LEAST_ALBEDO}
+#define HOLE ${HOLE}
 `;
 
 const ADD_UP = `${HEAD}
@@ -128,35 +131,48 @@ bool beyond(uint angle, uint distance_of)
 	return distance_of != 255u &&
 		   dot(vec2(cos(turn), sin(turn)), local) > float(distance_of) / 127.0 - 1.0;
 }
+bool is_cut()
+{
+	return beyond(cut & 255u, cut >> 8 & 255u) || beyond(cut >> 16 & 255u, cut >> 24);
+}
 float squared()
 {
 	float r2 = dot(local, local);
-	if (r2 > 1.0 || beyond(cut & 255u, cut >> 8 & 255u) || beyond(cut >> 16 & 255u, cut >> 24))
+	if (r2 > 1.0)
 		discard;
 	return r2;
+}
+float squared_within()
+{
+	if (is_cut())
+		discard;
+	return squared();
 }`;
 
 const DEPTH = `${HEAD + IN_DISC}
-void main() { squared(); }`;
+void main() { squared_within(); }`;
 
 /* 1 in the middle, a trace at the rim, so that what a disc covers has a weight. What glows is added
- * up by itself. */
+ * up by itself, and so is what lies beyond the cuts of discs. */
 const BLEND = `${HEAD + IN_DISC}
 layout(location = 0) out vec4 sum;
 layout(location = 1) out vec4 glow;
+layout(location = 2) out vec4 rest;
 void main()
 {
-	float rest = 1.0 - squared(), weight = rest * rest * rest + 1e-4;
+	float inner = 1.0 - squared(), weight = inner * inner * inner + 1e-4;
+	bool within = !is_cut(), glows = shown.a < 1.0;
 	vec4 all = vec4(shown.rgb, 1.0) * weight;
-	sum = shown.a < 1.0 ? vec4(0.0) : all;
-	glow = shown.a < 1.0 ? all : vec4(0.0);
+	sum = within && !glows ? all : vec4(0.0);
+	glow = within && glows ? all : vec4(0.0);
+	rest = within ? vec4(0.0) : all;
 }`;
 
 const PLAIN = `${HEAD + IN_DISC}
 out vec4 value;
 void main()
 {
-	squared();
+	squared_within();
 	value = shown;
 }`;
 
@@ -164,13 +180,13 @@ const PICK = `${HEAD + IN_DISC}
 out uvec4 number;
 void main()
 {
-	squared();
+	squared_within();
 	number = uvec4(which + 1u, 0u, 0u, 0u);
 }`;
 
 /* From sums to what a screen shows: the mean of over x over samples a pixel. */
 const FIT = `${HEAD}
-uniform sampler2D sums, glow, ramp;
+uniform sampler2D sums, glow, rest, ramp;
 uniform int over, tone, quantity, logarithmic;
 uniform vec2 range; /* in units of the sums */
 out vec4 color;
@@ -206,7 +222,28 @@ vec3 false_color(float value)
 	return texelFetch(ramp, ivec2(clamp(at, 0.0, 1.0) * 255.0 + 0.5, 0), 0).rgb;
 }
 
-/* Of what glows and what does not the one that weighs more. Linear, so that samples can be averaged;
+float covered(ivec2 at)
+{
+	return texelFetch(sums, at, 0).a + texelFetch(glow, at, 0).a;
+}
+/* Is a sample that nothing covers a hole: is there something to all sides, not far, or the picture's
+ * end? */
+bool is_hole(ivec2 at)
+{
+	ivec2 end = textureSize(sums, 0) - 1;
+	for (int side = 0; side < 4; side++) {
+		ivec2 way = ivec2(side < 2 ? 1 : 0, side < 2 ? 0 : 1) * (side % 2 == 0 ? 1 : -1);
+		float found = 0.0;
+		for (int step_of = 2; step_of <= HOLE && found <= 0.0; step_of += 2) {
+			ivec2 there = at + way * step_of;
+			found = there == clamp(there, ivec2(0), end) ? covered(there) : 1.0;
+		}
+		if (found <= 0.0)
+			return false;
+	}
+	return true;
+}
+/* Of what glows and what does not the one that weighs more; in holes what lies beyond cuts. Linear, so that samples can be averaged;
  * colours of a scale are encoded already, and illuminance of what glows is not known. */
 vec3 fit(ivec2 at)
 {
@@ -214,6 +251,8 @@ vec3 fit(ivec2 at)
 	bool glows = own.a > sum.a;
 	sum = glows ? own : sum;
 	if (sum.a <= 0.0)
+		sum = texelFetch(rest, at, 0);
+	if (sum.a <= 0.0 || (covered(at) <= 0.0 && !is_hole(at)))
 		return vec3(0.0);
 	if (glows && quantity == 2)
 		return vec3(0.5);
@@ -309,7 +348,7 @@ class Drawing {
 		return frame;
 	}
 	/* Units: 0 places, 1 cuts, 2 light, 3 gains, 4 mixed, 5 albedos, 6 ramp, 7 sums of a picture,
-	 * 8 those of what glows. */
+	 * 8 those of what glows, 9 of what lies beyond cuts. */
 	makeTextures() {
 		const gl = this.gl, lamps = scene.lamps.length;
 		const most = Math.min(gl.getParameter(gl.MAX_TEXTURE_SIZE),
@@ -333,7 +372,8 @@ class Drawing {
 		for (const one of [this.addUp, this.apart, this.depth, this.blend, this.measure,
 			this.identify, this.fit]) {
 			gl.useProgram(one.program);
-			["places", "cuts", "light", "gains", "mixed", "albedos", "ramp", "sums", "glow"].forEach(
+			["places", "cuts", "light", "gains", "mixed", "albedos", "ramp", "sums", "glow",
+				"rest"].forEach(
 				(name, unit) => one.at[name] && gl.uniform1i(one.at[name], unit));
 		}
 	}
@@ -487,24 +527,24 @@ class Drawing {
 		gl.bindVertexArray(this.nothing);
 		gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, Math.max(end - first, 0));
 	}
-	/* A framebuffer with depth, whose light is the textures of units 7 and 8. */
+	/* A framebuffer with depth, whose light is the textures of units 7 to 9. */
 	surface(width, height) {
 		const gl = this.gl;
 		if (this.sums && this.sums.width === width && this.sums.height === height)
 			return this.sums;
 		if (this.sums) {
-			gl.deleteTexture(this.sums.texture);
-			gl.deleteTexture(this.sums.glow);
+			this.sums.textures.forEach((one) => gl.deleteTexture(one));
 			gl.deleteFramebuffer(this.sums.frame);
 			gl.deleteRenderbuffer(this.sums.depth);
 		}
-		const texture = this.texture(7, gl.TEXTURE_2D, gl.RGBA16F, width, height);
-		const glow = this.texture(8, gl.TEXTURE_2D, gl.RGBA16F, width, height);
-		const frame = this.target(texture);
-		gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT1, gl.TEXTURE_2D, glow, 0);
-		gl.drawBuffers([gl.COLOR_ATTACHMENT0, gl.COLOR_ATTACHMENT1]);
-		this.sums = { width, height, texture, glow, frame,
-			depth: this.attachDepth(width, height) };
+		const textures = [7, 8, 9].map((unit) =>
+			this.texture(unit, gl.TEXTURE_2D, gl.RGBA16F, width, height));
+		const targets = textures.map((texture, i) => gl.COLOR_ATTACHMENT0 + i);
+		const frame = this.target(textures[0]);
+		textures.forEach((texture, i) => gl.framebufferTexture2D(gl.FRAMEBUFFER, targets[i],
+			gl.TEXTURE_2D, texture, 0));
+		gl.drawBuffers(targets);
+		this.sums = { width, height, textures, frame, depth: this.attachDepth(width, height) };
 		return this.sums;
 	}
 	attachDepth(width, height) {
@@ -520,7 +560,7 @@ class Drawing {
 		const gl = this.gl, sums = this.surface(width * over, height * over);
 		const factor = look.quantity ? 1 / look.high : 0.18 / (0.125 * Math.pow(2, look.exposure));
 		gl.bindFramebuffer(gl.FRAMEBUFFER, sums.frame);
-		for (const target of [0, 1])
+		for (const target of [0, 1, 2])
 			gl.clearBufferfv(gl.COLOR, target, [0, 0, 0, 0]);
 		gl.clear(gl.DEPTH_BUFFER_BIT);
 		for (const blended of [false, true])
