@@ -31,6 +31,11 @@ glowworm $what --light "$lamp" $alone --resume -v -o lit.ply 2>said.txt &
 until grep -q 'tile 2 of' said.txt || ! kill -0 $! 2>/dev/null; do sleep 0.01; done
 kill -9 $! 2>/dev/null
 wait $! 2>/dev/null || ls lit.ply*
+# Nothing goes on from a file of tiles that has lost points; from the whole one it does.
+cp lit.ply.tiles.part kept
+truncate -s 1000 lit.ply.tiles.part
+bake -q $alone --resume -o lit.ply 2>&1
+cp kept lit.ply.tiles.part
 bake $alone --resume -v -o lit.ply 2>said.txt
 grep -q 'tile 1 of' said.txt && echo "the first tile is lit again"
 [ "$(body lit.ply)" = "$(body whole.ply)" ] && ls lit.ply*
