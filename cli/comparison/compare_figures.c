@@ -195,7 +195,7 @@ void compare_figures_print(const compare_figures *f, FILE *out)
 {
 	const matched_scans *m = f->match;
 	fprintf(out, "%s against %s, points matched by %s: %zu compared", m->found_name, m->truth_name,
-			m->by == MATCHED_BY_INDEX ? "index" : "position", m->count);
+			matched_by_name(m->by), m->count);
 	if (m->emitting)
 		fprintf(out, ", %zu left out that emit", m->emitting);
 	if (m->not_finite)
@@ -235,7 +235,7 @@ void compare_figures_json(const compare_figures *f, bool missed, FILE *out)
 	json_put_open(&json, NULL, '{');
 	json_put_text(&json, "result", m->found_name);
 	json_put_text(&json, "truth", m->truth_name);
-	json_put_text(&json, "matched_by", m->by == MATCHED_BY_INDEX ? "index" : "position");
+	json_put_text(&json, "matched_by", matched_by_name(m->by));
 	json_put_count(&json, "points", m->count);
 	json_put_count(&json, "emitting", m->emitting);
 	json_put_count(&json, "not_finite", m->not_finite);

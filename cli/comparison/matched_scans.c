@@ -33,6 +33,12 @@ static gw_status match_columns(const matched_scans *m, const scan_column *const 
 	return status;
 }
 
+const char *matched_by_name(matched_by by)
+{
+	static const char *const name[] = { "index", "position", "order" };
+	return name[by];
+}
+
 static gw_status find_positions(const scan *cloud, const char *file, const scan_column *column[3],
 								gw_error *error)
 {
@@ -104,6 +110,50 @@ static void keep_pairs(matched_scans *m, const scan_column *const position[3], c
 	}
 }
 
+/* How far rounding may move a coordinate: no format rounds by more than a millimetre. */
+#define ROUNDED_MOST 1e-3
+#define ROUNDED_SHARE 1e-5 /* of the longest side of the bounds */
+
+static double rounding_of(const scan *cloud, const scan_column *const position[3])
+{
+	double longest = 0.0;
+	for (int k = 0; k < 3; k++) {
+		double low = HUGE_VAL, high = -HUGE_VAL;
+		for (size_t i = 0; i < cloud->count; i++) {
+			double at = scan_value(position[k], i);
+			low = isfinite(at) ? fmin(low, at) : low;
+			high = isfinite(at) ? fmax(high, at) : high;
+		}
+		longest = fmax(longest, high - low);
+	}
+	return fmin(ROUNDED_MOST, ROUNDED_SHARE * longest);
+}
+
+/* Whether both have the same points in one order, rounded. Then they are partners. */
+static void match_by_order(matched_scans *m, const scan_column *const found[3],
+						   const scan_column *const truth[3])
+{
+	double rounding = rounding_of(m->truth, truth);
+	bool same = m->found->count == m->truth->count;
+	for (size_t i = 0; i < m->truth->count && same; i++)
+		for (int k = 0; k < 3 && same; k++) {
+			double one = scan_value(found[k], i), other = scan_value(truth[k], i);
+			same = fabs(one - other) <= rounding || (!isfinite(one) && !isfinite(other));
+		}
+	for (size_t i = 0; i < m->truth->count && same; i++)
+		m->in_found[i] = i;
+	m->by = same ? MATCHED_BY_ORDER : m->by;
+}
+
+/* Whether a point that is somewhere has no partner. */
+static bool lacks_partners(const matched_scans *m, const scan_column *const position[3])
+{
+	bool lacks = false;
+	for (size_t i = 0; i < m->truth->count && !lacks; i++)
+		lacks = m->in_found[i] == GW_COMPARE_NONE && !is_nowhere(position, i);
+	return lacks;
+}
+
 static gw_status fail_without(const matched_scans *m, size_t without, gw_error *error)
 {
 	if (m->by == MATCHED_BY_INDEX)
@@ -113,7 +163,8 @@ static gw_status fail_without(const matched_scans *m, size_t without, gw_error *
 					   without, m->truth->count, m->truth_name, m->found_name);
 	return gw_fail(error, GW_ERROR_DATA,
 				   "%zu of the %zu points of %s are not at the place of any point of %s, to the "
-				   "last digit; compare lightings of one cloud, or give both a column 'index'",
+				   "last digit, nor are they the same points in one order; compare lightings of "
+				   "one cloud, or give both a column 'index'",
 				   without, m->truth->count, m->truth_name, m->found_name);
 }
 
@@ -149,7 +200,10 @@ static gw_status find_partners(matched_scans *m, const scan_column *const found[
 	m->by = mine && its ? MATCHED_BY_INDEX : MATCHED_BY_POSITION;
 	if (m->by == MATCHED_BY_INDEX)
 		return match_columns(m, &mine, &its, 1, error);
-	return match_columns(m, found, truth, 3, error);
+	GW_TRY(match_columns(m, found, truth, 3, error));
+	if (lacks_partners(m, truth))
+		match_by_order(m, found, truth);
+	return GW_OK;
 }
 
 gw_status matched_scans_make(matched_scans *m, gw_error *error)

@@ -9,7 +9,12 @@
 typedef enum matched_by {
 	MATCHED_BY_INDEX,    /* both have a column `index` with the same numbers */
 	MATCHED_BY_POSITION, /* the same coordinates to the last digit, in any order */
+	MATCHED_BY_ORDER,    /* as many points, each at the place of its like but for the rounding of
+							a format: a millimetre at most, and a 100,000th of their extent */
 } matched_by;
+
+/* "index", "position", "order". */
+const char *matched_by_name(matched_by by);
 
 /* Pairs of points. The scans belong to whoever made them and must live as long. */
 typedef struct matched_scans {

@@ -37,6 +37,13 @@ for limit in --max-relrmse --max-best99; do
 done
 # Against itself nothing differs; by index the places do not matter.
 glowworm compare result.ply result.ply --max-relrmse 0 --max-bias 0 | sed -n 3p
+# Rounded coordinates: by order, unless one of them is off by more.
+{ head_of 3 $light; printf '0.1000004 0 0 1 1 1\n1 2 3 2 2 2\n5 5 5 3 3 3\n'; } >one.ply
+sed 's/0.1000004/0.1/' one.ply >rounded.ply
+sed 's/0.1000004/0.1002/' one.ply >moved.ply
+for other in rounded moved; do
+	glowworm compare $other.ply one.ply --max-relrmse 0 2>&1 | sed -n 1p
+done
 { head_of 2 $light index; printf '0 0 0 1 2 3 7\n1 0 0 4 5 6 3000000\n'; } >a.ply
 { head_of 2 $light index; printf '9 0 0 4 5 6 3000000\n9 0 1 1 2 3 7\n'; } >b.ply
 glowworm compare a.ply b.ply --max-relrmse 0 | head -n 3
