@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# What `make demo` shows: makes the cave, lights it with the lamps of cave.scene.json at depth 8
-# and its own glowing patches, makes a picture of it, and prints how long that took and where the
-# results are.
+# What `make demo` shows: makes the cave, lights it with the lamps of cave.scene.json at depth 8 and
+# its own glowing patches, makes a picture of it and a page on which the lamps can be dimmed, and
+# prints how long that took and where the results are.
 #
 #   demo.sh FOLDER
 set -eu
@@ -29,18 +29,26 @@ make_seconds=$seconds
 
 rm -f "$folder/cave_lit.ply" "$folder/report.json"
 measure "$GLOWWORM" bake "$folder/cave.scene.json" --depth 8 --report "$folder/report.json" \
-	-o "$folder/cave_lit.ply"
+	--fields lights -o "$folder/cave_lit.ply"
 bake_seconds=$seconds
 
 rm -f "$folder/cave.png"
 measure "$GLOWWORM" render "$folder/cave_lit.ply" -o "$folder/cave.png"
 render_seconds=$seconds
 
+rm -f "$folder/cave.html"
+measure "$GLOWWORM" page "$folder/cave_lit.ply" --title 'The sample cave' --points 500000 \
+	--setup 'hall alone: *=0 hall=1' --setup 'passage alone: *=0 passage=1' \
+	--setup 'without lava: rest=0' -o "$folder/cave.html"
+page_seconds=$seconds
+
 row 'make cave' "$make_seconds" "$folder/cave.ply"
 row bake "$bake_seconds" "$folder/cave_lit.ply"
 row picture "$render_seconds" "$folder/cave.png"
+row page "$page_seconds" "$folder/cave.html"
 echo
 "$GLOWWORM" info "$folder/cave_lit.ply"
 echo
-echo "Open $folder/cave_lit.ply in CloudCompare, MeshLab or Blender; $folder/report.json says what"
-echo "the bake did. samples/relight_cave.sh $folder lights the cave twenty other ways."
+echo "Open $folder/cave.html in a browser and turn the lamps up and down, or $folder/cave_lit.ply"
+echo "in CloudCompare, MeshLab or Blender; $folder/report.json says what the bake did."
+echo "samples/relight_cave.sh $folder lights the cave twenty other ways."
