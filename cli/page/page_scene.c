@@ -19,6 +19,9 @@ static gw_status read_camera(const char *text, size_t number, camera_text *camer
 {
 	const char *colon = strchr(text, ':');
 	char numbered[32];
+	if (colon == text)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "--camera '%.80s' has no name before the colon; write 'NAME: CAMERA'", text);
 	snprintf(numbered, sizeof numbered, "view %zu", number);
 	*name = colon ? strndup(text, (size_t)(colon - text)) : strdup(numbered);
 	if (!*name)
@@ -64,6 +67,8 @@ static gw_status order_inside(const gw_surfels *s, size_t most, page_order *orde
 			inside[count++] = (uint32_t)i;
 		}
 	}
+	*order = (page_order){ .count = 0 };
+	*outside = s->count - count - backs;
 	gw_status status =
 		inside && position
 			? page_order_make(position, count, order, error)
@@ -71,7 +76,6 @@ static gw_status order_inside(const gw_surfels *s, size_t most, page_order *orde
 	for (size_t i = 0; i < count && status == GW_OK; i++)
 		order->point[i] = inside[order->point[i]];
 	page_order_cut(order, most);
-	*outside = s->count - count - backs;
 	free(position);
 	free(inside);
 	return status;

@@ -121,8 +121,8 @@ gw_status lit_lamps_fail_unknown(const lit_lamps *lamps, const settings_gain *ga
 		int length = (int)(gain->group ? strcspn(names[i], ".") : strlen(names[i]));
 		if (used + (size_t)length + 8 < sizeof known)
 			snprintf(known + used, sizeof known - used, "%s%.*s", i ? ", " : "", length, names[i]);
-		else if (strcmp(known + used - 4, " ...") != 0)
-			snprintf(known + used, sizeof known - used, " ...");
+		else if (used < 3 || strcmp(known + used - 3, "...") != 0)
+			snprintf(known + used, sizeof known - used, "%s...", i ? " " : "");
 	}
 	nearest_name_hint(hint, gain->name, "", names, gain->group ? 0 : count);
 	free(names);

@@ -44,9 +44,13 @@ run 0 page whole.ply -o whole.html
 # Refused.
 run 65 page whole.ply -o a.html --setup 'x: a=1'
 run 2 page lit.ply -o a.html --setup 'x: c=1'
+name=$(printf '%510s' '' | tr ' ' a)
+sed "s/light_hall.a_/light_${name}_/" lit.ply >long.ply
+run 2 page long.ply -o a.html --setup 'x: c=1'
 run 2 page lit.ply -o a.html --setup 'x'
 run 2 page lit.ply -o a.html --setup 'x: a'
 run 2 page lit.ply -o a.html -c 'x: at 1,2'
+run 2 page lit.ply -o a.html -c ': at 1,2,3 to 4,5,6'
 run 2 page lit.ply -o a.html --points 0
 run 2 page lit.ply
 run 2 page -o a.html
