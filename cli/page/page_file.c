@@ -58,36 +58,41 @@ static void base64(const uint8_t *bytes, size_t count, char *to)
 	}
 }
 
-/* Bytes without zlib's frame, which browsers inflate by themselves; returns their count, 0 when
- * memory is short. */
-static size_t deflate_raw(const uint8_t *bytes, size_t count, uint8_t *to, size_t room)
+/* Bytes without zlib's frame, which browsers inflate by themselves. NULL when memory is short; for
+ * free(). */
+static uint8_t *deflate_raw(const uint8_t *bytes, size_t count, size_t *made)
 {
 	z_stream z = { .next_in = (uint8_t *)(uintptr_t)bytes, /* which is only read */
-				   .avail_in = (uInt)count,
-				   .next_out = to,
-				   .avail_out = (uInt)room };
+				   .avail_in = (uInt)count };
 	if (deflateInit2(&z, Z_DEFAULT_COMPRESSION, Z_DEFLATED, -MAX_WBITS, MAX_MEM_LEVEL,
 					 Z_DEFAULT_STRATEGY) != Z_OK)
-		return 0;
-	bool whole = deflate(&z, Z_FINISH) == Z_STREAM_END;
-	size_t made = whole ? z.total_out : 0;
+		return NULL;
+	uLong room = deflateBound(&z, (uLong)count);
+	uint8_t *to = malloc(room);
+	z.next_out = to;
+	z.avail_out = to ? (uInt)room : 0;
+	bool whole = to && deflate(&z, Z_FINISH) == Z_STREAM_END;
+	*made = z.total_out;
 	deflateEnd(&z);
-	return made;
+	if (whole)
+		return to;
+	free(to);
+	return NULL;
 }
 
 static void pack_block(const packing *p, size_t first, size_t count, block *to)
 {
-	size_t bytes = page_points_bytes(p->points, count), room = compressBound((uLong)bytes);
-	uint8_t *plain = malloc(bytes), *packed = malloc(room);
-	if (plain && packed) {
-		page_points_pack(p->points, first, count, plain);
-		size_t made = deflate_raw(plain, bytes, packed, room);
-		to->length = base64_length(made);
-		to->text = made ? malloc(to->length) : NULL;
-		if (to->text)
-			base64(packed, made, to->text);
-	}
+	size_t bytes = page_points_bytes(p->points, count), made = 0;
+	uint8_t *plain = malloc(bytes);
+	if (!plain)
+		return;
+	page_points_pack(p->points, first, count, plain);
+	uint8_t *packed = deflate_raw(plain, bytes, &made);
 	free(plain);
+	to->length = base64_length(made);
+	to->text = packed ? malloc(to->length) : NULL;
+	if (to->text)
+		base64(packed, made, to->text);
 	free(packed);
 }
 

@@ -49,22 +49,29 @@ static void put_points(json_writer *json, const page_scene *page, const page_poi
 	json_put_close(json, ']');
 }
 
-static void put_lamps(json_writer *json, const page_scene *page)
+static gw_status put_lamps(json_writer *json, const page_scene *page)
 {
 	json_put_open(json, "lamps", '[');
 	for (size_t l = 0; l < page->lamp_count; l++) {
 		const page_lamp *own = &page->lamp[l];
 		char *group = strndup(own->name, own->group);
+		if (!group)
+			return GW_ERROR_MEMORY;
 		json_put_open_flat(json, NULL, '{');
 		json_put_text(json, "name", own->name + (own->group ? own->group + 1 : 0));
 		json_put_text(json, "column", own->name);
-		json_put_text(json, "group", group ? group : "");
+		json_put_text(json, "group", group);
 		json_put_real(json, "scale", own->scale);
 		json_put_close(json, '}');
 		free(group);
 	}
 	json_put_close(json, ']');
 	json_put_bool(json, "whole", page->whole);
+	return GW_OK;
+}
+
+static void put_setups(json_writer *json, const page_scene *page)
+{
 	json_put_open(json, "setups", '[');
 	for (size_t i = 0; i < page->setup_count; i++) {
 		json_put_open_flat(json, NULL, '{');
@@ -148,7 +155,8 @@ static gw_status put_all(json_writer *json, const settings *s, const page_scene 
 	if (page->bake_error)
 		json_put_text(json, "bakeError", page->bake_error);
 	put_points(json, page, points);
-	put_lamps(json, page);
+	GW_TRY(put_lamps(json, page));
+	put_setups(json, page);
 	GW_TRY(put_cameras(json, page, error));
 	put_look(json, s);
 	json_put_close(json, '}');
