@@ -111,6 +111,10 @@ function watchInput(canvas, moved, pick) {
 		const before = down.get(event.pointerId);
 		if (!before)
 			return;
+		if (!event.buttons) { /* it went up where nobody saw it */
+			down.delete(event.pointerId);
+			return;
+		}
 		const x = event.clientX - before.x, y = event.clientY - before.y;
 		if (down.size === 2) {
 			const other = [...down].find(([id]) => id !== event.pointerId)[1];
@@ -126,7 +130,7 @@ function watchInput(canvas, moved, pick) {
 		down.set(event.pointerId, { x: event.clientX, y: event.clientY });
 		moved();
 	});
-	for (const end of ["pointerup", "pointercancel"])
+	for (const end of ["pointerup", "pointercancel", "lostpointercapture"])
 		canvas.addEventListener(end, (event) => down.delete(event.pointerId));
 	canvas.addEventListener("contextmenu", (event) => event.preventDefault());
 	canvas.addEventListener("wheel", (event) => {
@@ -137,14 +141,13 @@ function watchInput(canvas, moved, pick) {
 	canvas.addEventListener("dblclick", (event) => pick(event));
 	canvas.addEventListener("keydown", (event) => {
 		const step = camera.distance() * (event.shiftKey ? 0.25 : 0.06);
+		const way = (event.shiftKey ? 48 : 12) * (orbits() ? 1 : -1); /* pixels of a drag */
 		const does = {
 			KeyW: () => camera.move(0, 0, step), KeyS: () => camera.move(0, 0, -step),
 			KeyA: () => camera.move(-step, 0, 0), KeyD: () => camera.move(step, 0, 0),
 			KeyE: () => camera.move(0, step, 0), KeyQ: () => camera.move(0, -step, 0),
-			ArrowLeft: () => turn(orbits() ? 12 : -12, 0),
-			ArrowRight: () => turn(orbits() ? -12 : 12, 0),
-			ArrowUp: () => turn(0, orbits() ? 12 : -12),
-			ArrowDown: () => turn(0, orbits() ? -12 : 12),
+			ArrowLeft: () => turn(way, 0), ArrowRight: () => turn(-way, 0),
+			ArrowUp: () => turn(0, way), ArrowDown: () => turn(0, -way),
 		}[event.code];
 		if (!does || event.ctrlKey || event.metaKey || event.altKey)
 			return;

@@ -6,6 +6,8 @@
  * pass divides by the weights and fits the light to the screen.
  */
 const LEAST_ALBEDO = 0.004; /* what reflects less does not tell what falls on it */
+const BRIGHTEST = 1000;     /* white by every tone map, and small enough for sums of half floats */
+const LARGEST_HALF = 65504, LARGEST_FLOAT = 3e38;
 
 const HOLE = 48; /* samples, half of the widest hole that is closed */
 
@@ -18,6 +20,7 @@ precision highp sampler2DArray;
 #define LAMPS ${scene.lamps.length}
 #define LEAST_ALBEDO ${LEAST_ALBEDO}
 #define HOLE ${HOLE}
+#define LARGEST_HALF ${LARGEST_HALF}.0
 `;
 
 const ADD_UP = `${HEAD}
@@ -57,7 +60,7 @@ uniform usampler2D places, cuts;
 uniform sampler2D mixed, albedos;
 uniform vec3 eye, right, up, forward; /* metres from the corner; unit */
 uniform vec4 projection;              /* x, y scale; depth */
-uniform float unit_step, largest, least, pixel, factor, behind;
+uniform float unit_step, largest, least, pixel, factor, most, behind;
 uniform int cull, quantity, first;
 flat out vec4 shown;
 flat out uint which, cut;
@@ -117,7 +120,7 @@ void main()
 	vec3 radiance = texelFetch(mixed, at, 0).rgb, root = texelFetch(albedos, at, 0).rgb;
 	shown = vec4(quantity == 2 ? vec3(glows ? 0.0 : incident(radiance, root)) : radiance,
 				 glows ? 0.5 : 1.0);
-	shown.rgb = min(shown.rgb * factor, 6e4);
+	shown.rgb = min(shown.rgb * factor, most);
 }`;
 
 /* What lies outside of the circle, or beyond a cut, is no part of a disc. */
@@ -256,7 +259,7 @@ vec3 fit(ivec2 at)
 		return vec3(0.0);
 	if (glows && quantity == 2)
 		return vec3(0.5);
-	vec3 value = sum.rgb / sum.a;
+	vec3 value = min(sum.rgb, LARGEST_HALF) / sum.a;
 	if (quantity == 0)
 		return clamp(tone_map(value), 0.0, 1.0);
 	return false_color(quantity == 1 ? dot(value, LUMINANCE) : value.r);
@@ -363,6 +366,8 @@ class Drawing {
 		this.rooted = this.target(this.texture(5, gl.TEXTURE_2D, gl.RGBA8, scene.row, most));
 		this.texture(6, gl.TEXTURE_2D, gl.RGBA8, 256, 1);
 		this.one = this.target(this.texture(7, gl.TEXTURE_2D, this.float, lamps, 1));
+		if (gl.getError() !== gl.NO_ERROR)
+			throw new Error("This device has no room for the points.");
 		const ramp = new Uint8Array(1024);
 		for (let i = 0; i < 768; i++)
 			ramp[Math.floor(i / 3) * 4 + i % 3] = parseInt(scene.ramp.substr(2 * i, 2), 16);
@@ -495,8 +500,9 @@ class Drawing {
 	}
 	/* Sets a program that draws discs up.
 	 *   factor  of the light
+	 *   most    that a channel is after it
 	 *   behind  radii by which discs are put further away */
-	aim(program, width, height, count, factor, behind) {
+	aim(program, width, height, count, { factor = 1, most = 1, behind = 0 }) {
 		const gl = this.gl, at = program.at, axes = camera.axes();
 		const tangent = camera.tangent(width, height);
 		const near = Math.max(camera.near, 1e-5 * camera.extent);
@@ -514,6 +520,7 @@ class Drawing {
 		gl.uniform1f(at.least, this.leastRadius(count));
 		gl.uniform1f(at.pixel, 2 * tangent / height);
 		gl.uniform1f(at.factor, factor);
+		gl.uniform1f(at.most, most);
 		gl.uniform1f(at.behind, behind);
 		gl.uniform1i(at.cull, look.cull ? 1 : 0);
 		gl.uniform1i(at.quantity, look.quantity);
@@ -522,7 +529,7 @@ class Drawing {
 	 * among `count`. */
 	drawDiscs(program, width, height, count, part = {}) {
 		const gl = this.gl, first = part.first ?? 0, end = Math.min(part.end ?? count, this.ready);
-		this.aim(program, width, height, count, part.factor ?? 1, part.behind ?? 0);
+		this.aim(program, width, height, count, part);
 		gl.uniform1i(program.at.first, first);
 		gl.bindVertexArray(this.nothing);
 		gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, Math.max(end - first, 0));
@@ -567,7 +574,8 @@ class Drawing {
 			for (let first = 0; first < count; first += together) {
 				const end = Math.min(first + together, count);
 				gl.bindFramebuffer(gl.FRAMEBUFFER, sums.frame);
-				this.drawPart(sums, count, { first, end, factor, behind: blended ? 0 : 0.5 }, blended);
+				this.drawPart(sums, count,
+					{ first, end, factor, most: BRIGHTEST, behind: blended ? 0 : 0.5 }, blended);
 				if (together < count)
 					yield;
 			}
@@ -615,11 +623,14 @@ class Drawing {
 			gl.deleteRenderbuffer(depth);
 		} };
 	}
-	/* Bytes of a picture, R G B A, the lowest row first. */
+	/* Bytes of a picture, R G B A, the lowest row first. Takes the sums of a picture that is not
+	 * whole on the screen, which begins again. */
 	picture(width, height) {
 		const gl = this.gl, pixels = new Uint8ClampedArray(4 * width * height);
 		const buffer = this.buffer(gl.RGBA8, width, height);
-		this.drawPicture(buffer.frame, width, height, this.ready, 2).next();
+		const over = 2 * Math.max(width, height) <= gl.getParameter(gl.MAX_RENDERBUFFER_SIZE) ? 2 : 1;
+		frames.ask();
+		this.drawPicture(buffer.frame, width, height, this.ready, over).next();
 		gl.bindFramebuffer(gl.FRAMEBUFFER, buffer.frame);
 		gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(pixels.buffer));
 		buffer.free();
@@ -638,7 +649,8 @@ class Drawing {
 		const buffer = this.buffer(this.float, width, height);
 		const values = new Float32Array(4 * width * height);
 		gl.clearBufferfv(gl.COLOR, 0, [0, 0, 0, 0]);
-		this.drawDiscs(this.measure, width, height, this.some());
+		this.drawDiscs(this.measure, width, height, this.some(),
+			{ most: this.half ? LARGEST_HALF : LARGEST_FLOAT });
 		gl.readPixels(0, 0, width, height, gl.RGBA, gl.FLOAT, values);
 		buffer.free();
 		return values;

@@ -5,7 +5,7 @@ const AT_FIRST = 200000;     /* points that are drawn at once */
 const FEWEST = 20000;
 const STILL = 150;           /* milliseconds after which all are drawn */
 const SLOW = 40, QUICK = 20; /* milliseconds a picture */
-const LOOK_UNDER = 80;        /* milliseconds for which a pointer has to rest */
+const LOOK_UNDER = 80;       /* milliseconds for which a pointer has to rest */
 
 const canvas = byId("view");
 let drawing;
@@ -129,6 +129,11 @@ function lookUnder(event) {
 	}, LOOK_UNDER);
 }
 
+function lookAway() {
+	clearTimeout(resting);
+	byId("readout").textContent = "";
+}
+
 function turnAbout(event) {
 	const index = drawing.pick(Math.floor(event.offsetX), Math.floor(event.offsetY));
 	if (index < 0)
@@ -147,6 +152,10 @@ function savePicture() {
 			4 * width * y);
 	paper.getContext("2d").putImageData(image, 0, 0);
 	paper.toBlob((blob) => {
+		if (!blob) {
+			byId("readout").textContent = "This browser has no room for the picture.";
+			return;
+		}
 		const link = element("a", { href: URL.createObjectURL(blob), download: `${scene.title}.png` });
 		link.click();
 		URL.revokeObjectURL(link.href);
@@ -232,7 +241,9 @@ function start() {
 	markSetups();
 	watchInput(canvas, () => frames.ask(), turnAbout);
 	watchButtons();
-	canvas.addEventListener("pointermove", lookUnder);
+	for (const under of ["pointermove", "click"]) /* a finger rests nowhere, but it taps */
+		canvas.addEventListener(under, lookUnder);
+	canvas.addEventListener("pointerleave", (event) => event.pointerType === "mouse" && lookAway());
 	canvas.addEventListener("webglcontextlost", () => say("The graphics driver gave up; load the page again."));
 	new ResizeObserver(resize).observe(canvas);
 	resize();
@@ -249,7 +260,7 @@ const glowworm = {
 			if (!failed && scene.exposure === null)
 				panel.meter();
 			if (!failed && drawing.ready < scene.count)
-				say(`This device holds ${drawing.ready} of the ${scene.count} points.`);
+				byId("facts").append(` This device has room for the first ${drawing.ready} points alone.`);
 			finish(!failed);
 		});
 	},

@@ -116,9 +116,9 @@ class Browser:
     def mouse(self, kind, x, y, **more):
         self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, **more)
 
-    def key(self, code):
+    def key(self, code, **more):
         for kind in ("keyDown", "keyUp"):
-            self.call("Input.dispatchKeyEvent", type=kind, code=code, key=code)
+            self.call("Input.dispatchKeyEvent", type=kind, code=code, key=code, **more)
 
     def screenshot(self, path):
         shot = self.call("Page.captureScreenshot", format="png")

@@ -112,6 +112,19 @@ true = lit["scalar_illuminance"][which[index]]
 print("under the pointer", ascii([part.split(" ")[-1] for part in text.split(" \u00b7 ")[:3]]),
       abs(lux - true) < 0.03 * true, "warm" in text and "cold" in text)
 
+# A scale suits light however strong, as strong as half floats cannot hold, too.
+high = browser.run("panel.fit(), glowworm.look.high")
+strong = browser.run("drawing.setGains(panel.gains().map((g) => g.map((x) => 1e4 * x))),"
+                     "panel.fit(), glowworm.look.high")
+print("scale of strong light", strong > 65504, abs(strong / high - 1e4) < 1)
+browser.run(press % 0)
+
+# A picture for saving, of another size, amid one on the screen, which is drawn again then.
+browser.run("frames.rest = drawing.draw(drawing.ready, 1000), frames.rest.next(),"
+            "frames.request(), glowworm.picture(240, 160), 0")
+browser.run("new Promise(requestAnimationFrame).then(() => new Promise(requestAnimationFrame))")
+print("amid a picture", browser.run("[drawing.gl.getError(), drawing.sums.width === canvas.width]"))
+
 # The camera moves, and comes back.
 eye = "glowworm.camera.eye.map((x) => x.toFixed(4)).join()"
 browser.run("document.getElementById('view').focus()")
@@ -123,6 +136,15 @@ browser.mouse("mouseMoved", 130, 90, button="left", buttons=1)
 browser.mouse("mouseReleased", 130, 90, button="left", clickCount=1)
 yaw = "glowworm.camera.yaw.toFixed(4)"
 turned = browser.run(yaw)
+browser.key("Digit2")
+browser.run("document.getElementById('view').focus()")
+pitch = browser.run("glowworm.camera.pitch")
+browser.key("ArrowUp")
+near = browser.run("glowworm.camera.pitch") - pitch
+browser.key("ArrowDown")
+browser.key("ArrowUp", modifiers=8)
+far = browser.run("glowworm.camera.pitch") - pitch
+print("with shift further", round(far / near, 3))
 browser.key("Digit2")
 print("moved", home != away, "turned", browser.run(yaw) != turned, "back",
       browser.run(eye) == home)
