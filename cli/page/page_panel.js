@@ -107,6 +107,7 @@ const panel = {
 		}
 	},
 	makeSetups(changed) {
+		byId("copy").hidden = scene.whole; /* there are no lamps to mix */
 		const ones = scene.lamps.flatMap(() => [1, 1, 1]);
 		const all = [{ name: "as baked", gains: ones }, ...scene.setups];
 		for (const setup of all) {
@@ -132,7 +133,6 @@ const panel = {
 			element("option", { textContent: name, value: i })));
 		byId("tone").value = scene.tone;
 		look.tone = TONE.indexOf(scene.tone);
-		byId("cull").setAttribute("aria-labelledby", "cullName");
 		const read = () => {
 			look.quantity = Number(byId("quantity").value);
 			look.tone = TONE.indexOf(byId("tone").value);
