@@ -8,9 +8,6 @@
 #include <string.h>
 #include <zlib.h>
 
-/* Layers that an array of textures has at least (WebGL 2.0, MAX_ARRAY_TEXTURE_LAYERS). */
-#define LAMPS_MAX 256
-
 #define BATCH 16 /* blocks that are packed at once */
 
 /* The document and what is put into it, as bytes of the program. */
@@ -201,11 +198,6 @@ gw_status page_file_write(output_file *out, const settings *s, const page_scene 
 {
 	writer w = { .out = out, .error = error };
 	char *scene = NULL;
-	if (page->lamp_count > LAMPS_MAX)
-		return gw_fail(error, GW_ERROR_USAGE,
-					   "a page has sliders for %d lamps, but the cloud has %zu: bake with --fields "
-					   "groups, so that lamps of a group share one",
-					   LAMPS_MAX, page->lamp_count);
 	page_points points = { .surfels = &page->scene.surfels,
 						   .glows = page->scene.glows,
 						   .order = page->order.point,

@@ -15,8 +15,7 @@
  * Writes a page.
  *   title    shown above it
  *   bytes    receives the file's length
- * Fails with GW_ERROR_USAGE when more lamps are there than a page has layers for; FILE_ERROR_IO;
- * GW_ERROR_MEMORY; GW_ERROR_CANCELLED.
+ * Fails with FILE_ERROR_IO; GW_ERROR_MEMORY; GW_ERROR_CANCELLED.
  */
 gw_status page_file_write(output_file *out, const settings *settings, const page_scene *page,
 						  const char *title, uint64_t *bytes, gw_error *error);

@@ -25,6 +25,9 @@
 #define PAGE_PLANES 23    /* bytes a point, without lamps */
 #define PAGE_LAMP_PLANES 4
 
+/* Layers that an array of textures has at least (WebGL 2.0, MAX_ARRAY_TEXTURE_LAYERS). */
+#define PAGE_LAMPS_MAX 256u
+
 enum { PAGE_TWO_SIDED = 1, PAGE_GLOWS = 2 };
 
 /* The finest grid that single precision holds, steps along a side. */

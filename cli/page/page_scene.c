@@ -138,12 +138,11 @@ static gw_status add_lamp(page_scene *page, const scan *cloud, const lit_lamp *o
 }
 
 /* The lamps' own columns, or those of all light as of one lamp. */
-static gw_status find_lamps(page_scene *page, const scan *cloud, lit_lamps *lamps, gw_error *error)
+static gw_status add_lamps(page_scene *page, const scan *cloud, const lit_lamps *lamps,
+						   gw_error *error)
 {
 	static char name[] = "light";
 	lit_lamp all = { .name = name };
-	GW_TRY(lit_lamps_find(cloud, lamps, error));
-	page->whole = lamps->count == 0;
 	size_t count = page->whole ? 1 : lamps->count;
 	for (size_t k = 0; k < 3 && page->whole; k++) {
 		char radiance[] = "radiance_r";
@@ -172,11 +171,11 @@ static bool is_meant(const lit_lamp *of, const settings_gain *gain)
 		   lit_lamp_is_meant(of, &group);
 }
 
-static gw_status set_gain(page_scene *page, const lit_lamps *lamps, const settings_gain *gain,
+/* Sets a gain in a set-up's row, three a lamp. */
+static gw_status set_gain(float *to, const lit_lamps *lamps, const settings_gain *gain,
 						  gw_error *error)
 {
 	bool found = false;
-	float *to = page->gain + 3 * page->lamp_count * (page->setup_count - 1);
 	for (size_t l = 0; l < lamps->count; l++)
 		if (is_meant(&lamps->lamp[l], gain)) {
 			found = true;
@@ -193,18 +192,20 @@ static gw_status make_setups(const settings *s, page_scene *page, const lit_lamp
 					   "--setup '%.80s: ...' wants lamps, but the points do not say which lamp "
 					   "their light comes from; bake them with --fields lights",
 					   s->gain[0].setup);
-	page->gain = calloc(s->gain_count + 1, 3 * page->lamp_count * sizeof *page->gain);
+	size_t width = 3 * (page->whole ? 1 : lamps->count);
+	page->gain = calloc(s->gain_count + 1, width * sizeof *page->gain);
 	page->setup = calloc(s->gain_count + 1, sizeof *page->setup);
 	if (!page->gain || !page->setup)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the set-ups");
+	float *all = page->gain;
 	for (size_t i = 0; i < s->gain_count; i++) {
 		if (i == 0 || s->gain[i].setup != s->gain[i - 1].setup) {
+			all = page->gain + width * page->setup_count;
 			page->setup[page->setup_count++] = s->gain[i].setup;
-			float *all = page->gain + 3 * page->lamp_count * (page->setup_count - 1);
-			for (size_t k = 0; k < 3 * page->lamp_count; k++)
+			for (size_t k = 0; k < width; k++)
 				all[k] = 1.0f;
 		}
-		GW_TRY(set_gain(page, lamps, &s->gain[i], error));
+		GW_TRY(set_gain(all, lamps, &s->gain[i], error));
 	}
 	return GW_OK;
 }
@@ -234,21 +235,43 @@ static gw_status check_light(const scan *cloud, const char *name, gw_error *erro
 				   name);
 }
 
-static gw_status make(const settings *s, loaded_scene *loaded, page_scene *page, gw_error *error)
+/* What may be wrong with what was asked for is said before there is much to do. */
+static gw_status find_lamps(const settings *s, const scan *cloud, page_scene *page,
+							lit_lamps *lamps, gw_error *error)
+{
+	GW_TRY(lit_lamps_find(cloud, lamps, error));
+	page->whole = lamps->count == 0;
+	if (lamps->count > PAGE_LAMPS_MAX)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "a page has sliders for %u lamps, but the cloud has %zu: bake with --fields "
+					   "groups, so that lamps of a group share one",
+					   PAGE_LAMPS_MAX, lamps->count);
+	return make_setups(s, page, lamps, error);
+}
+
+static gw_status make_surface(const settings *s, loaded_scene *loaded, page_scene *page,
+							  gw_error *error)
 {
 	chooser c = { page, s->page_points };
 	const render_scene_wish wish = { 1u << RENDER_RADIANCE | 1u << RENDER_EMISSION,
 									 RENDER_OCTREE_NO, choose, &c };
 	uint64_t outside;
-	lit_lamps lamps = { .count = 0 };
-	GW_TRY(check_light(&loaded->cloud, loaded_scene_input_name(s->input[0].path), error));
-	page->points = loaded->cloud.count;
-	GW_TRY(keep_error(&loaded->cloud, page, error));
 	GW_TRY(render_scene_make(s, loaded, &wish, &page->scene, error));
-	GW_TRY(order_inside(&page->scene.surfels, s->page_points, &page->order, &outside, error));
-	gw_status status = find_lamps(page, &loaded->cloud, &lamps, error);
+	return order_inside(&page->scene.surfels, s->page_points, &page->order, &outside, error);
+}
+
+static gw_status make(const settings *s, loaded_scene *loaded, page_scene *page, gw_error *error)
+{
+	lit_lamps lamps = { .count = 0 };
+	const scan *cloud = &loaded->cloud;
+	GW_TRY(check_light(cloud, loaded_scene_input_name(s->input[0].path), error));
+	page->points = cloud->count;
+	GW_TRY(keep_error(cloud, page, error));
+	gw_status status = find_lamps(s, cloud, page, &lamps, error);
 	if (status == GW_OK)
-		status = make_setups(s, page, &lamps, error);
+		status = make_surface(s, loaded, page, error);
+	if (status == GW_OK)
+		status = add_lamps(page, cloud, &lamps, error);
 	lit_lamps_clear(&lamps);
 	return status;
 }
@@ -260,6 +283,8 @@ gw_status page_scene_read(const settings *s, page_scene *page, gw_error *error)
 	gw_status status = read_cameras(s, page, error);
 	if (status == GW_OK)
 		status = loaded_scene_read(s, &loaded, error);
+	if (status == GW_OK && !s->quiet)
+		render_scene_print_notes(&loaded.cloud);
 	if (status == GW_OK)
 		status = make(s, &loaded, page, error);
 	loaded_scene_clear(&loaded);

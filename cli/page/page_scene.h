@@ -42,7 +42,8 @@ typedef struct page_scene {
  * Reads the lit cloud settings->input[0].
  *   page   on success freed with page_scene_clear; zeroed on failure
  * Fails as render_scene_read; GW_ERROR_DATA when there is no light in the cloud; GW_ERROR_USAGE
- * when a set-up names a lamp that it does not have, or a camera is none.
+ * when a set-up names a lamp that it does not have, there are more than PAGE_LAMPS_MAX, or a camera
+ * is none.
  */
 gw_status page_scene_read(const settings *settings, page_scene *page, gw_error *error);
 void page_scene_clear(page_scene *page);

@@ -332,8 +332,7 @@ static gw_status make(const settings *s, loaded_scene *loaded, uint32_t wanted, 
 	return GW_OK;
 }
 
-/* What its readers found. */
-static void note_input(const scan *cloud)
+void render_scene_print_notes(const scan *cloud)
 {
 	for (size_t c = 0; c < cloud->comment_count; c++)
 		if (strncmp(cloud->comment[c], SCAN_NOTE, strlen(SCAN_NOTE)) == 0)
@@ -362,7 +361,7 @@ gw_status render_scene_read(const settings *s, const render_scene_wish *wish, re
 	gw_status status = loaded_scene_read(s, &loaded, error);
 	double seconds = gw_seconds() - start;
 	if (status == GW_OK && !s->quiet)
-		note_input(&loaded.cloud);
+		render_scene_print_notes(&loaded.cloud);
 	if (status == GW_OK)
 		status = render_scene_make(s, &loaded, wish, scene, error);
 	scene->read_seconds = seconds;

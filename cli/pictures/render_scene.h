@@ -89,6 +89,9 @@ gw_status render_scene_make(const settings *settings, loaded_scene *loaded,
 							const render_scene_wish *wish, render_scene *scene, gw_error *error);
 void render_scene_clear(render_scene *scene);
 
+/* Prints what the readers of an input had to say of it. */
+void render_scene_print_notes(const scan *cloud);
+
 /*
  * The means of three columns over the points that each surfel stands for; what is not finite, or
  * below 0, counts as 0.

@@ -41,6 +41,19 @@ run 65 page single.ply -o single.html
 sed -n '1,/end_header/p' lit.ply | sed '/light_/d' >whole.ply
 sed '1,/end_header/d' lit.ply | cut -d ' ' -f 1-12 >>whole.ply
 run 0 page whole.ply -o whole.html
+# What is said of the input; and more lamps than a page has layers for.
+sed 's/^comment .*/comment note: it is made up/' whole.ply >noted.ply
+run 0 page noted.ply -o noted.html
+awk 'BEGIN { print "ply\nformat ascii 1.0\nelement vertex 1"
+	split("x y z nx ny nz scalar_radiance_r scalar_radiance_g scalar_radiance_b", name, " ")
+	for (i = 1; i <= 9; i++) print "property float " name[i]
+	for (i = 0; i < 3 * 257; i++)
+		print "property float scalar_light_" int(i / 3) "_" substr("rgb", i % 3 + 1, 1)
+	print "end_header"
+	printf "0 0 0 0 0 1"
+	for (i = 0; i < 3 + 3 * 257; i++) printf " 1"
+	print "" }' >many.ply
+run 2 page many.ply -o a.html
 # Refused.
 run 65 page whole.ply -o a.html --setup 'x: a=1'
 run 2 page lit.ply -o a.html --setup 'x: c=1'
