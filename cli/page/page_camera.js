@@ -12,7 +12,7 @@ const clamp = (x, low, high) => Math.min(Math.max(x, low), high);
 const STEEPEST = 1.55; /* radians from the horizon: straight up has no right and left */
 
 const camera = {
-	eye: [0, 0, 0], yaw: 0, pitch: 0, angle: 50, near: 0.01,
+	eye: [0, 0, 0], yaw: 0, pitch: 0, angle: 50,
 	aspect: 0, /* width by height of the picture that it was chosen for; 0: any */
 	pivot: [0, 0, 0], /* what is turned about */
 	extent: norm(scene.side) || 1,
@@ -43,7 +43,6 @@ const camera = {
 		this.pivot = add(view.to, scene.corner, -1);
 		this.look(add(this.pivot, this.eye, -1));
 		this.angle = view.angle;
-		this.near = view.near;
 		this.aspect = view.aspect;
 	},
 	/* The tangent of half the vertical angle, in which a picture of this size shows to both sides
@@ -86,59 +85,57 @@ const camera = {
 	},
 };
 
-/* What pointers and keys do to the camera. `moved` is called after each change, `pick` with a place
- * on the canvas that is to be turned about. */
-function watchInput(canvas, moved, pick) {
+const orbits = () => document.getElementById("moving").value === "orbit";
+
+/* What a drag by so many pixels does. */
+function turn(x, y) {
+	if (orbits())
+		camera.orbit(-x * 0.006, -y * 0.006);
+	else
+		camera.turnHead(x * 0.004, y * 0.004);
+}
+function pan(canvas, x, y) {
+	const metres = 2 * camera.distance() *
+		camera.tangent(canvas.clientWidth, canvas.clientHeight) / canvas.clientHeight;
+	camera.pan(-x * metres, y * metres);
+}
+/* One of two fingers, from one place to another. */
+function pinch(canvas, before, now, other) {
+	const spread = (p) => Math.hypot(p.x - other.x, p.y - other.y) || 1;
+	camera.approach(clamp(1 - spread(before) / spread(now), -0.5, 0.5));
+	pan(canvas, (now.x - before.x) / 2, (now.y - before.y) / 2);
+}
+
+function watchPointers(canvas, moved) {
 	const down = new Map(); /* pointers: where each is */
-	const orbits = () => document.getElementById("moving").value === "orbit";
-	const turn = (x, y) => {
-		if (orbits())
-			camera.orbit(-x * 0.006, -y * 0.006);
-		else
-			camera.turnHead(x * 0.004, y * 0.004);
-	};
-	const pan = (x, y) => {
-		const metres = 2 * camera.distance() *
-			camera.tangent(canvas.clientWidth, canvas.clientHeight) / canvas.clientHeight;
-		camera.pan(-x * metres, y * metres);
-	};
+	const place = (event) => ({ x: event.clientX, y: event.clientY });
 	canvas.addEventListener("pointerdown", (event) => {
 		canvas.setPointerCapture(event.pointerId);
 		canvas.focus({ preventScroll: true });
-		down.set(event.pointerId, { x: event.clientX, y: event.clientY });
+		down.set(event.pointerId, place(event));
 	});
 	canvas.addEventListener("pointermove", (event) => {
-		const before = down.get(event.pointerId);
+		const before = down.get(event.pointerId), now = place(event);
 		if (!before)
 			return;
 		if (!event.buttons) { /* it went up where nobody saw it */
 			down.delete(event.pointerId);
 			return;
 		}
-		const x = event.clientX - before.x, y = event.clientY - before.y;
-		if (down.size === 2) {
-			const other = [...down].find(([id]) => id !== event.pointerId)[1];
-			const spread = (p) => Math.hypot(p.x - other.x, p.y - other.y) || 1;
-			const now = { x: event.clientX, y: event.clientY };
-			camera.approach(clamp(1 - spread(before) / spread(now), -0.5, 0.5));
-			pan(x / 2, y / 2);
-		} else if (event.buttons & 6 || event.shiftKey) {
-			pan(x, y);
-		} else {
-			turn(x, y);
-		}
-		down.set(event.pointerId, { x: event.clientX, y: event.clientY });
+		if (down.size === 2)
+			pinch(canvas, before, now, [...down].find(([id]) => id !== event.pointerId)[1]);
+		else if (event.buttons & 6 || event.shiftKey)
+			pan(canvas, now.x - before.x, now.y - before.y);
+		else
+			turn(now.x - before.x, now.y - before.y);
+		down.set(event.pointerId, now);
 		moved();
 	});
 	for (const end of ["pointerup", "pointercancel", "lostpointercapture"])
 		canvas.addEventListener(end, (event) => down.delete(event.pointerId));
-	canvas.addEventListener("contextmenu", (event) => event.preventDefault());
-	canvas.addEventListener("wheel", (event) => {
-		event.preventDefault();
-		camera.approach(clamp(-event.deltaY * (event.deltaMode ? 0.03 : 0.001), -0.4, 0.4));
-		moved();
-	}, { passive: false });
-	canvas.addEventListener("dblclick", (event) => pick(event));
+}
+
+function watchKeys(canvas, moved) {
 	canvas.addEventListener("keydown", (event) => {
 		const step = camera.distance() * (event.shiftKey ? 0.25 : 0.06);
 		const way = (event.shiftKey ? 48 : 12) * (orbits() ? 1 : -1); /* pixels of a drag */
@@ -155,4 +152,18 @@ function watchInput(canvas, moved, pick) {
 		does();
 		moved();
 	});
+}
+
+/* What pointers and keys do to the camera. `moved` is called after each change, `pick` with a place
+ * on the canvas that is to be turned about. */
+function watchInput(canvas, moved, pick) {
+	watchPointers(canvas, moved);
+	watchKeys(canvas, moved);
+	canvas.addEventListener("contextmenu", (event) => event.preventDefault());
+	canvas.addEventListener("wheel", (event) => {
+		event.preventDefault();
+		camera.approach(clamp(-event.deltaY * (event.deltaMode ? 0.03 : 0.001), -0.4, 0.4));
+		moved();
+	}, { passive: false });
+	canvas.addEventListener("dblclick", (event) => pick(event));
 }

@@ -59,7 +59,7 @@ const DISC = `
 uniform usampler2D places, cuts;
 uniform sampler2D mixed, albedos;
 uniform vec3 eye, right, up, forward; /* metres from the corner; unit */
-uniform vec4 projection;              /* x, y scale; depth */
+uniform vec4 projection;              /* x, y scale; nearest; of the logarithm of depth */
 uniform float unit_step, largest, least, pixel, factor, most, behind;
 uniform int cull, quantity, first;
 flat out vec4 shown;
@@ -113,9 +113,12 @@ void main()
 	vec3 corner = middle + radius * (t * local.x + b * local.y);
 	/* The back of a surface lies behind a front as near. */
 	corner *= 1.0 + (behind + (back ? 0.5 : 0.0)) * radius / max(length(corner), 1e-30);
-	float z = dot(corner, forward);
+	/* Depth grows as its logarithm, so that far discs are told apart as well as near ones: linear
+	 * about each middle, that discs stay flat. */
+	float z = dot(corner, forward), m = max(depth, projection.z);
+	float at_middle = projection.w * log(m / projection.z) - 1.0;
 	gl_Position = vec4(projection.x * dot(corner, right), projection.y * dot(corner, up),
-					   projection.z * z + projection.w, z);
+					   z * at_middle + projection.w * (z - m), z);
 
 	vec3 radiance = texelFetch(mixed, at, 0).rgb, root = texelFetch(albedos, at, 0).rgb;
 	shown = vec4(quantity == 2 ? vec3(glows ? 0.0 : incident(radiance, root)) : radiance,
@@ -505,7 +508,7 @@ class Drawing {
 	aim(program, width, height, count, { factor = 1, most = 1, behind = 0 }) {
 		const gl = this.gl, at = program.at, axes = camera.axes();
 		const tangent = camera.tangent(width, height);
-		const near = Math.max(camera.near, 1e-5 * camera.extent);
+		const near = Math.max(0.05 * scene.spacing, 1e-7 * camera.extent);
 		const far = norm(add(camera.eye, scene.side, -0.5)) + camera.extent;
 		gl.viewport(0, 0, width, height);
 		gl.useProgram(program.program);
@@ -513,8 +516,8 @@ class Drawing {
 		gl.uniform3fv(at.right, axes.right);
 		gl.uniform3fv(at.up, axes.up);
 		gl.uniform3fv(at.forward, axes.forward);
-		gl.uniform4f(at.projection, height / width / tangent, 1 / tangent,
-			(far + near) / (far - near), -2 * far * near / (far - near));
+		gl.uniform4f(at.projection, height / width / tangent, 1 / tangent, near,
+			2 / Math.log(far / near));
 		gl.uniform1f(at.unit_step, scene.step);
 		gl.uniform1f(at.largest, scene.radius);
 		gl.uniform1f(at.least, this.leastRadius(count));

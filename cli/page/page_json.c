@@ -99,7 +99,7 @@ static gw_status put_cameras(json_writer *json, const page_scene *page, gw_error
 	json_put_open(json, "cameras", '[');
 	for (size_t i = 0; i < page->plan.text_count; i++) {
 		const gw_viewpoint *view = &page->plan.view[i];
-		gw_camera camera;
+		gw_camera camera; /* is none where it looks straight up */
 		GW_TRY(camera_plan_camera(&page->plan, (double)page->scene.surfels.spacing, i, &camera,
 								  error));
 		json_put_open_flat(json, NULL, '{');
@@ -107,7 +107,6 @@ static gw_status put_cameras(json_writer *json, const page_scene *page, gw_error
 		json_put_reals(json, "at", view->at, 3);
 		json_put_reals(json, "to", view->to, 3);
 		json_put_real(json, "angle", view->angle);
-		json_put_real(json, "near", camera.near);
 		json_put_real(json, "aspect", page->plan.text[i].placed ? 0.0 : PAGE_ASPECT);
 		json_put_bool(json, "inside", is_within(&page->scene.surfels, view->at));
 		json_put_close(json, '}');

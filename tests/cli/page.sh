@@ -149,6 +149,19 @@ browser.key("Digit2")
 print("moved", home != away, "turned", browser.run(yaw) != turned, "back",
       browser.run(eye) == home)
 
+# From the middle of the box, come to from the overview, it is all around; a hundred metres off,
+# where discs are a hundred times as wide, they are not swallowed by their own depth.
+def covered(width, height):
+    mine = numpy.frombuffer(browser.bytes(f"glowworm.picture({width}, {height})"), numpy.uint8)
+    return numpy.mean(mine.reshape(-1, 4)[:, :3].max(1) > 0)
+
+browser.run("glowworm.chooseCamera(0), glowworm.look.quantity = 0,"
+            "glowworm.camera.eye = glowworm.scene.side.map((x) => x / 2), 0")
+within = covered(60, 40)
+browser.run("glowworm.camera.choose(glowworm.scene.cameras[1]),"
+            "glowworm.camera.move(0, 0, -100), 0")
+print("near and far", within > 0.9, covered(240, 160) > 0)
+
 # A beginning of the points shows all of the box: no tenth of the picture that they cover is black.
 browser.open("few.html")
 print("few", browser.wait(), browser.run("glowworm.scene.count"))
