@@ -257,7 +257,7 @@ const glowworm = {
 	},
 	end() {
 		arriving.then(() => {
-			if (!failed && scene.exposure === null)
+			if (!failed && scene.exposure === null && !panel.exposed)
 				panel.meter();
 			if (!failed && drawing.ready < scene.count)
 				byId("facts").append(` This device has room for the first ${drawing.ready} points alone.`);

@@ -155,6 +155,7 @@ const panel = {
 		byId("fit").addEventListener("click", () => this.fit());
 		byId("exposure").addEventListener("input", () => {
 			look.exposure = -Number(byId("exposure").value);
+			this.exposed = true; /* by hand */
 			this.showExposure();
 			changed();
 		});
