@@ -349,12 +349,7 @@ static gw_status make_comments(maker *m)
 		GW_TRY(comment(m, text));
 	if (m->result->report.unlit_space)
 		GW_TRY(comment(m, SCAN_ENCLOSED));
-	const double *at = m->from->scanner;
-	for (size_t i = 0; i < m->from->scanner_count && m->from->scanner_count <= SCAN_SCANNERS_SAID;
-		 i++, at += 3) {
-		snprintf(text, sizeof text, SCAN_SCANNER "%.17g %.17g %.17g", at[0], at[1], at[2]);
-		GW_TRY(comment(m, text));
-	}
+	GW_TRY(scan_say_scanners(m->from, m->lit, m->error));
 	snprintf(text, sizeof text, SCAN_UP "%s", settings_up_name(m->lit->up));
 	if (m->lit->up != 'z' || m->settings->up != SETTINGS_UP_AUTO)
 		GW_TRY(comment(m, text));

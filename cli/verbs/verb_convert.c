@@ -47,6 +47,30 @@ static void note_reading(const settings *s, const scan *cloud)
 			text_message(stderr, "glowworm: %s\n", cloud->comment[c]);
 }
 
+/* What LAS has of an airborne scan tells readers of any LAS file again where scanners were. */
+static bool is_las_again(const format *to, const scan *cloud)
+{
+	bool las = strcmp(to->name, "las") == 0 || strcmp(to->name, "laz") == 0 ||
+			   strcmp(to->name, "copc") == 0;
+	for (size_t c = 0; c < cloud->comment_count && las; c++)
+		if (strncmp(cloud->comment[c], "las scale ", strlen("las scale ")) == 0)
+			return true;
+	return false;
+}
+
+/* Comments say where scanners stood; E57 has a place for it. */
+static gw_status keep_scanners(const settings *s, const format *to, scan *cloud, gw_error *error)
+{
+	if (strcmp(to->name, "e57") == 0 || is_las_again(to, cloud))
+		return GW_OK;
+	if (cloud->scanner_count > SCAN_SCANNERS_SAID && !s->quiet)
+		fprintf(stderr,
+				"glowworm: note: where the input's %zu scanners stood is lost: comments tell %d at "
+				"most; write E57 to keep it\n",
+				cloud->scanner_count, SCAN_SCANNERS_SAID);
+	return scan_say_scanners(cloud, cloud, error);
+}
+
 static gw_status convert(const settings *s, scan *cloud, output_file **out, gw_error *error)
 {
 	const format *to = NULL;
@@ -58,6 +82,7 @@ static gw_status convert(const settings *s, scan *cloud, output_file **out, gw_e
 	GW_TRY(format_read_with(s->input[0].path, &options, cloud, NULL, error));
 	GW_TRY(signals_check(error));
 	note_reading(s, cloud);
+	GW_TRY(keep_scanners(s, to, cloud, error));
 	output_shift_settle_by(&shift, cloud, s->quiet);
 	GW_TRY(output_shift_apply(&shift, cloud, error));
 	if (s->las_radiance == SETTINGS_LAS_HALF)

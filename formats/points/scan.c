@@ -3,6 +3,7 @@
 
 #include <assert.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -121,6 +122,21 @@ gw_status scan_add_comment(scan *cloud, const char *text, gw_error *error)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for a comment line");
 	}
 	cloud->comment[cloud->comment_count++] = copy;
+	return GW_OK;
+}
+
+gw_status scan_say_scanners(const scan *from, scan *to, gw_error *error)
+{
+	for (size_t c = 0; c < to->comment_count; c++)
+		if (strncmp(to->comment[c], SCAN_SCANNER, strlen(SCAN_SCANNER)) == 0)
+			return GW_OK;
+	const double *at = from->scanner;
+	size_t count = from->scanner_count <= SCAN_SCANNERS_SAID ? from->scanner_count : 0;
+	for (size_t i = 0; i < count; i++, at += 3) {
+		char text[128];
+		snprintf(text, sizeof text, SCAN_SCANNER "%.17g %.17g %.17g", at[0], at[1], at[2]);
+		GW_TRY(scan_add_comment(to, text, error));
+	}
 	return GW_OK;
 }
 

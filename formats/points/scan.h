@@ -43,7 +43,8 @@ typedef struct scan_column {
 
 /* And one that begins with this names the axis that points up: "y" or "-y". */
 #define SCAN_UP "glowworm up: "
-/* A lit file's: where a scanner stood, three numbers; at most so many of them. */
+/* Of a file whose format has no place for it: where a scanner stood, three numbers; at most so many
+ * of them. */
 #define SCAN_SCANNER "glowworm scanner: "
 #define SCAN_SCANNERS_SAID 64
 /* A lit file's: its points enclose a space to look at from within, whatever its normals say. */
@@ -90,6 +91,11 @@ scan_column *scan_add_column(scan *scan, const char *name, scan_type type, gw_er
 
 /* Adds a comment line; text is copied. */
 gw_status scan_add_comment(scan *scan, const char *text, gw_error *error);
+
+/* Comments of `to` say where the scanners of `from`, which may be the same, stood: all, or where
+ * they are more than SCAN_SCANNERS_SAID, none. Those that say it already stay alone.
+ * GW_ERROR_MEMORY. */
+gw_status scan_say_scanners(const scan *from, scan *to, gw_error *error);
 
 /*
  * Says that a scanner at `position` saw the points [first, first + count); the same position said

@@ -37,3 +37,20 @@ echo "status $?"
 glowworm convert a.xyz /dev/full --output-format csv
 echo "status $?"
 ls
+# Where scanners stood goes along, by comments where the format has no place for it; not 65 of them.
+ptx() { awk -v n="$1" 'BEGIN { for (i = 1; i <= n; i++) {
+	print "1\n1\n" i " 0.5 2\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n" i " 0.5 2 1"
+	print "1 " i " 0.25 0.5" } }'; }
+ptx 2 >two.ptx
+for to in ply las copc.laz e57 pcd xyz; do
+	glowworm convert two.ptx "two.$to" --force
+	glowworm convert "two.$to" next.ply --force
+	for file in "two.$to" next.ply; do
+		glowworm info "$file" | grep -A 1 scanner |
+			awk '{ printf "%s %s %s ", $(NF - 2), $(NF - 1), $NF }'
+	done
+	echo "$to"
+done
+ptx 65 >many.ptx
+glowworm convert many.ptx many.ply
+glowworm convert many.ptx many.e57
