@@ -17,6 +17,10 @@
 /* The longest text in one comment: some readers of PLY take lines of 1024 bytes at most. */
 #define LAS_NOTE_TEXT 800
 
+/* As bits the classes of low and of high noise; the latter is for other use in old formats. */
+#define LAS_LOW_NOISE (1u << 7)
+#define LAS_HIGH_NOISE (1u << 18)
+
 #define LAS_USER_SPEC "LASF_Spec"
 #define LAS_USER_CRS "LASF_Projection"
 #define LAS_USER_LASZIP "laszip encoded"
@@ -58,5 +62,8 @@ size_t las_note_read(const char *comment, const char *key, double *value, size_t
 /* Puts the parts of the first text with that key together again. *text is the caller's, for
  * free(), and NULL when there is none. */
 gw_status las_note_join(const scan *cloud, const char *key, char **text, gw_error *error);
+
+/* The noise_classes of a scan that came from LAS by way of another format; 0 of any other. */
+unsigned las_note_noise(const scan *cloud);
 
 #endif

@@ -19,9 +19,7 @@
 /* Integers up to here are doubles too. */
 #define EXACT ((int64_t)1 << 53)
 
-/* Classes 7 and 18 are low and high noise; the latter is for other use in the formats before 6. */
-#define LOW_NOISE (1u << 7)
-#define HIGH_NOISE (1u << 18)
+/* The first of the formats that have LAS_HIGH_NOISE. */
 #define FIRST_HIGH_NOISE 6u
 
 typedef struct reader {
@@ -327,7 +325,7 @@ static gw_status read_points(reader *r, const format_rows *rows)
 	r->rows = (format_rows){ first, rows->count < count - first ? rows->count : count - first };
 	r->cloud->count = (size_t)r->rows.count;
 	r->cloud->noise_classes =
-		r->header.format < FIRST_HIGH_NOISE ? LOW_NOISE : LOW_NOISE | HIGH_NOISE;
+		r->header.format < FIRST_HIGH_NOISE ? LAS_LOW_NOISE : LAS_LOW_NOISE | LAS_HIGH_NOISE;
 	return r->header.compressed ? read_compressed(r) : read_plain(r);
 }
 

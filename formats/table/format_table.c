@@ -3,6 +3,7 @@
 #include "e57/e57_format.h"
 #include "files/input_file.h"
 #include "las/las_format.h"
+#include "las/las_notes.h"
 #include "meshes/mesh.h"
 #include "pcd/pcd_format.h"
 #include "ply/ply_format.h"
@@ -166,6 +167,8 @@ gw_status format_finish(scan *cloud, gw_status status, gw_error *error)
 		status = scan_color_unpack(cloud, error);
 	if (status == GW_OK)
 		status = take_scanners(cloud, error);
+	if (!cloud->noise_classes)
+		cloud->noise_classes = las_note_noise(cloud);
 	if (status != GW_OK)
 		scan_clear(cloud);
 	take_up(cloud);

@@ -48,3 +48,9 @@ bake asked classes.las --light 'point at 0.5,0.5,0.5 intensity 1' --albedo const
 bake other classes.csv --light 'point at 0.5,0.5,0.5 intensity 1' --albedo constant:0.5
 grep -o '"kind": "[a-z ]*", "points": [0-9]*, "example": [0-9]*' las.json
 grep -c stray asked.notes other.notes || :
+# Other formats that LAS was written as know it, too.
+for to in ply e57 pcd xyz; do
+	glowworm convert classes.las "classes.$to"
+	glowworm info --stats "classes.$to" | grep -o '[0-9][0-9]* noise\|[0-9][0-9]* withheld' |
+		xargs echo "$to"
+done
