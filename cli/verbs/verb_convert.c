@@ -7,6 +7,7 @@
 #include "program/signals.h"
 #include "program/text_quote.h"
 
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -47,6 +48,18 @@ static void note_reading(const settings *s, const scan *cloud)
 			text_message(stderr, "glowworm: %s\n", cloud->comment[c]);
 }
 
+/* Notes are of the file that was read; who reads the other one finds what holds for that. */
+static void drop_notes(scan *cloud)
+{
+	size_t kept = 0;
+	for (size_t c = 0; c < cloud->comment_count; c++)
+		if (strncmp(cloud->comment[c], SCAN_NOTE, strlen(SCAN_NOTE)) == 0)
+			free(cloud->comment[c]);
+		else
+			cloud->comment[kept++] = cloud->comment[c];
+	cloud->comment_count = kept;
+}
+
 /* What LAS has of an airborne scan tells readers of any LAS file again where scanners were. */
 static bool is_las_again(const format *to, const scan *cloud)
 {
@@ -71,6 +84,16 @@ static gw_status keep_scanners(const settings *s, const format *to, scan *cloud,
 	return scan_say_scanners(cloud, cloud, error);
 }
 
+/* And which axis points up, where it is not z, which is what readers take. */
+static gw_status keep_up(scan *cloud, gw_error *error)
+{
+	char text[64];
+	if (cloud->says_up || cloud->up == 'z' || !cloud->up)
+		return GW_OK;
+	snprintf(text, sizeof text, SCAN_UP "%s", settings_up_name(cloud->up));
+	return scan_add_comment(cloud, text, error);
+}
+
 static gw_status convert(const settings *s, scan *cloud, output_file **out, gw_error *error)
 {
 	const format *to = NULL;
@@ -82,7 +105,9 @@ static gw_status convert(const settings *s, scan *cloud, output_file **out, gw_e
 	GW_TRY(format_read_with(s->input[0].path, &options, cloud, NULL, error));
 	GW_TRY(signals_check(error));
 	note_reading(s, cloud);
+	drop_notes(cloud);
 	GW_TRY(keep_scanners(s, to, cloud, error));
+	GW_TRY(keep_up(cloud, error));
 	output_shift_settle_by(&shift, cloud, s->quiet);
 	GW_TRY(output_shift_apply(&shift, cloud, error));
 	if (s->las_radiance == SETTINGS_LAS_HALF)

@@ -54,3 +54,12 @@ done
 ptx 65 >many.ptx
 glowworm convert many.ptx many.ply
 glowworm convert many.ptx many.e57
+# So does which axis is up, but no note on the file that was read: a picture of a depth camera.
+{ printf '%s\n' 'VERSION .7' 'FIELDS x y z' 'SIZE 4 4 4' 'TYPE F F F' 'COUNT 1 1 1' 'WIDTH 40' \
+	'HEIGHT 30' 'VIEWPOINT 0 0 0 1 0 0 0' 'POINTS 1200' 'DATA ascii'
+awk 'BEGIN { for (j = 0; j < 30; j++) for (i = 0; i < 40; i++) {
+	z = 2 + 0.1 * sin(i * j); print z * (i - 19.5) / 30, z * (j - 14.5) / 30, z } }'; } >eye.pcd
+for to in ply las e57 xyz; do
+	glowworm convert eye.pcd "eye.$to" -q
+	glowworm info "eye.$to" | grep -e format -e note -e scanner
+done
