@@ -31,7 +31,7 @@ static gw_status find_lamps(work *m)
 	if (m->lamps.count == 0)
 		return gw_fail(m->error, GW_ERROR_DATA,
 					   "there are no lamps to mix: the points have no columns %sNAME_r, %sNAME_g, "
-					   "%sNAME_b",
+					   "%sNAME_b; bake with --fields lights",
 					   prefix, prefix, prefix);
 	m->factor = reallocarray(NULL, m->lamps.count, sizeof *m->factor);
 	if (!m->factor)

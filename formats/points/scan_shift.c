@@ -48,8 +48,8 @@ static gw_status move_column(scan_column *column, size_t count, scan_type type, 
 		if (type == SCAN_FLOAT32 && isfinite(value) && !isfinite((float)sum)) {
 			free(moved.data);
 			return gw_fail(error, GW_ERROR_DATA,
-						   "point %zu has %s %g, which is beyond floats also without the shift", i,
-						   column->name, value);
+						   "point %zu has %s %g, which less the shift, %g, is beyond floats", i,
+						   column->name, value, -by);
 		}
 		if (type == SCAN_FLOAT32)
 			((float *)moved.data)[i] = (float)sum;

@@ -59,5 +59,6 @@ glowworm convert map.txt map.las --shift auto 2>&1 || echo $?
 glowworm convert map.txt map.csv --shift auto 2>&1 || echo $?
 glowworm convert map.txt other.ply --shift 1,2 2>&1 || echo $?
 echo "1e300 0 0" | glowworm convert - far.ply --columns x,y,z --shift 0,0,0 2>&1 || echo $?
+echo "1 0 0" | glowworm convert - far.ply --columns x,y,z --shift 1e300,0,0 -q 2>&1 || echo $?
 ls other.ply far.ply 2>/dev/null
 :
