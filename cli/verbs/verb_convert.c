@@ -7,6 +7,8 @@
 #include "program/signals.h"
 #include "program/text_quote.h"
 
+#include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -94,6 +96,26 @@ static gw_status keep_up(scan *cloud, gw_error *error)
 	return scan_add_comment(cloud, text, error);
 }
 
+/* E57 has a state for what is no point, and readers leave it out. */
+static void note_holes(const settings *s, const format *to, const scan *cloud)
+{
+	static const char *const name[3] = { "x", "y", "z" };
+	const scan_column *axis[3];
+	size_t holes = 0;
+	for (int k = 0; k < 3; k++)
+		axis[k] = scan_find(cloud, name[k]);
+	if (s->quiet || strcmp(to->name, "e57") != 0 || !axis[0] || !axis[1] || !axis[2])
+		return;
+	for (size_t i = 0; i < cloud->count; i++)
+		holes += !isfinite(scan_value(axis[0], i)) || !isfinite(scan_value(axis[1], i)) ||
+				 !isfinite(scan_value(axis[2], i));
+	if (holes > 0)
+		fprintf(stderr,
+				"glowworm: note: %zu of %zu points are not finite, and so rows without a point, "
+				"which readers of E57 leave out\n",
+				holes, cloud->count);
+}
+
 static gw_status convert(const settings *s, scan *cloud, output_file **out, gw_error *error)
 {
 	const format *to = NULL;
@@ -106,6 +128,7 @@ static gw_status convert(const settings *s, scan *cloud, output_file **out, gw_e
 	GW_TRY(signals_check(error));
 	note_reading(s, cloud);
 	drop_notes(cloud);
+	note_holes(s, to, cloud);
 	GW_TRY(keep_scanners(s, to, cloud, error));
 	GW_TRY(keep_up(cloud, error));
 	output_shift_settle_by(&shift, cloud, s->quiet);

@@ -63,3 +63,4 @@ for to in ply las e57 xyz; do
 	glowworm convert eye.pcd "eye.$to" -q
 	glowworm info "eye.$to" | grep -e format -e note -e scanner
 done
+glowworm convert a.xyz a.e57
