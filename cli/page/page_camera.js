@@ -14,6 +14,7 @@ const STEEPEST = 1.55; /* radians from the horizon: straight up has no right and
 const camera = {
 	eye: [0, 0, 0], yaw: 0, pitch: 0, angle: 50,
 	aspect: 0, /* width by height of the picture that it was chosen for; 0: any */
+	near: 0, home: [0, 0, 0],
 	pivot: [0, 0, 0], /* what is turned about */
 	extent: norm(scene.side) || 1,
 
@@ -44,6 +45,14 @@ const camera = {
 		this.look(add(this.pivot, this.eye, -1));
 		this.angle = view.angle;
 		this.aspect = view.aspect;
+		this.near = view.near;
+		this.home = this.eye;
+	},
+	/* How near things are shown: what stood in the way of the view that was chosen stays away, where
+	 * it is, until one has come as far. */
+	nearest() {
+		const way = norm(add(this.eye, this.home, -1));
+		return Math.max(this.near - way, 0.05 * scene.spacing, 1e-7 * this.extent);
 	},
 	/* The tangent of half the vertical angle, in which a picture of this size shows to both sides
 	 * what it was chosen for. */

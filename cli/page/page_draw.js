@@ -249,8 +249,9 @@ bool is_hole(ivec2 at)
 	}
 	return true;
 }
-/* Of what glows and what does not the one that weighs more; in holes what lies beyond cuts. Linear, so that samples can be averaged;
- * colours of a scale are encoded already, and illuminance of what glows is not known. */
+/* Of what glows and what does not the one that weighs more; in holes what lies beyond cuts. Linear,
+ * so that samples can be averaged; colours of a scale are encoded already, and illuminance of what
+ * glows is not known. */
 vec3 fit(ivec2 at)
 {
 	vec4 sum = texelFetch(sums, at, 0), own = texelFetch(glow, at, 0);
@@ -508,7 +509,7 @@ class Drawing {
 	aim(program, width, height, count, { factor = 1, most = 1, behind = 0 }) {
 		const gl = this.gl, at = program.at, axes = camera.axes();
 		const tangent = camera.tangent(width, height);
-		const near = Math.max(0.05 * scene.spacing, 1e-7 * camera.extent);
+		const near = camera.nearest();
 		const far = norm(add(camera.eye, scene.side, -0.5)) + camera.extent;
 		gl.viewport(0, 0, width, height);
 		gl.useProgram(program.program);

@@ -107,6 +107,7 @@ static gw_status put_cameras(json_writer *json, const page_scene *page, gw_error
 		json_put_reals(json, "at", view->at, 3);
 		json_put_reals(json, "to", view->to, 3);
 		json_put_real(json, "angle", view->angle);
+		json_put_real(json, "near", camera.near);
 		json_put_real(json, "aspect", page->plan.text[i].placed ? 0.0 : PAGE_ASPECT);
 		json_put_bool(json, "inside", is_within(&page->scene.surfels, view->at));
 		json_put_close(json, '}');
