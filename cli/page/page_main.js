@@ -103,7 +103,7 @@ function describe(index) {
 	const point = drawing.point(index), unit = scene.units;
 	const metres = add(point.place, scene.corner).map((x) => x.toFixed(3)).join(", ");
 	const whole = LUMINANCE_OF(point.radiance);
-	const shares = point.byLamp.map((rgb, l) => [scene.lamps[l].name, LUMINANCE_OF(rgb) / whole])
+	const shares = point.byLamp.map((rgb, l) => [scene.lamps[l].column, LUMINANCE_OF(rgb) / whole])
 		.filter((one) => one[1] >= 0.005).sort((a, b) => b[1] - a[1])
 		.map(([name, share]) => `${name} ${Math.round(100 * share)} %`);
 	const value = look.quantity === 2 ? ` \u00b7 ${incidentAt(index)}` : "";
@@ -162,13 +162,14 @@ function savePicture() {
 	});
 }
 
+/* The command stands there, marked, where a browser lets no page copy. */
 function copyCommand() {
-	const text = panel.command();
-	const shown = () => { byId("readout").textContent = text; };
+	const shown = byId("command");
+	shown.value = panel.command();
+	shown.hidden = false;
+	shown.select();
 	if (navigator.clipboard)
-		navigator.clipboard.writeText(text).then(shown, shown);
-	else
-		shown();
+		navigator.clipboard.writeText(shown.value).catch(() => {});
 }
 
 function watchButtons() {

@@ -94,7 +94,8 @@ browser.run("new Promise(requestAnimationFrame)")
 after = browser.run("document.activeElement.value")
 print("a key moves the slider", round(float(after) - float(before), 6))
 print(browser.run("document.querySelectorAll('#setups button')[0].getAttribute('aria-pressed')"))
-print(browser.run("glowworm.panel.command()").split(" ")[:4])
+browser.run("document.getElementById('copy').click()")
+print(browser.run("document.getElementById('command').value").split(" ")[:4])
 browser.run(press % 0)
 
 # Under the pointer: the point in the middle of the picture, its light, and its lamps.
