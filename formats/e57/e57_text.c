@@ -4,6 +4,7 @@
 #include "e57/e57_sink.h"
 #include "files/checksum.h"
 #include "files/number_text.h"
+#include "files/utf8_text.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -12,23 +13,11 @@
 
 /* ---------------------------------------------------------------------------------- values */
 
-/* Bytes of the UTF-8 character at the start of a text; 0 when it is none (RFC 3629), or one that
- * XML cannot have. */
+/* Bytes of the character at the start of a text; 0 when it is none, or one that XML cannot have. */
 static size_t character_length(const unsigned char *c)
 {
-	size_t length = c[0] < 0x80   ? 1
-					: c[0] < 0xc2 ? 0
-					: c[0] < 0xe0 ? 2
-					: c[0] < 0xf0 ? 3
-					: c[0] < 0xf5 ? 4
-								  : 0;
-	for (size_t i = 1; i < length; i++)
-		if ((c[i] & 0xc0) != 0x80)
-			return 0;
-	bool wrong = (c[0] == 0xe0 && c[1] < 0xa0) || (c[0] == 0xed && c[1] > 0x9f) ||
-				 (c[0] == 0xf0 && c[1] < 0x90) || (c[0] == 0xf4 && c[1] > 0x8f) ||
-				 (c[0] == 0xef && c[1] == 0xbf && c[2] >= 0xbe);
-	return wrong ? 0 : length;
+	size_t length = utf8_length(c);
+	return length == 3 && c[0] == 0xef && c[1] == 0xbf && c[2] >= 0xbe ? 0 : length;
 }
 
 /* Text of anybody's; what is no character of XML becomes a blank or a question mark. */

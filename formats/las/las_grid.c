@@ -86,7 +86,7 @@ static gw_status add_bounds(las_grid_search *s, const scan *part, const scan_col
 			return gw_fail(
 				error, GW_ERROR_DATA,
 				"%s: the coordinate %s of point %llu is no number, which LAS cannot hold; "
-				"write PLY",
+				"write PLY or E57",
 				name, column->name, (unsigned long long)(s->points + i));
 		s->minimum = fmin(s->minimum, value);
 		s->maximum = fmax(s->maximum, value);

@@ -1,4 +1,5 @@
 #include "laz_clouds.h"
+#include "one_processor.h"
 #include "table/format_table.h"
 
 #include <math.h>
@@ -197,13 +198,8 @@ void same_by_one_processor(const format *f, const char *path, const scan *cloud)
 	size_t length, other_length;
 	write_cloud(f, path, cloud);
 	uint8_t *all = load_bytes(path, &length);
-	cpu_set_t before, one;
-	assert_int_equal(sched_getaffinity(0, sizeof before, &before), 0);
-	CPU_ZERO(&one);
-	for (size_t cpu = 0; cpu < CPU_SETSIZE && CPU_COUNT(&one) == 0; cpu++)
-		if (CPU_ISSET(cpu, &before))
-			CPU_SET(cpu, &one);
-	assert_int_equal(sched_setaffinity(0, sizeof one, &one), 0);
+	cpu_set_t before;
+	keep_to_one_processor(&before);
 	write_cloud(f, path, cloud);
 	sched_setaffinity(0, sizeof before, &before);
 	uint8_t *single = load_bytes(path, &other_length);

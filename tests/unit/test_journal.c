@@ -3,6 +3,7 @@
  * what is kept in them: scans, and the light of points.
  */
 #include "expected.h"
+#include "own_folder.h"
 #include "files/checksum.h"
 #include "files/journal_file.h"
 #include "files/output_file.h"
@@ -18,21 +19,6 @@
 #include <unistd.h>
 
 #include <cmocka.h>
-
-static char folder[64];
-
-static int enter_folder(void **state)
-{
-	(void)state;
-	strcpy(folder, "/tmp/glowworm-test-XXXXXX");
-	return mkdtemp(folder) ? chdir(folder) : -1;
-}
-
-static int leave_folder(void **state)
-{
-	(void)state;
-	return chdir("/") == 0 ? rmdir(folder) : -1;
-}
 
 /* However bytes are cut, they have one sum; each bit and the length tell on it. */
 static void sums_tell(void **state)

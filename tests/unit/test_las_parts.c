@@ -3,6 +3,7 @@
  * at once, however points are split, and where only the last of them says how they have to lie.
  */
 #include "expected.h"
+#include "own_folder.h"
 #include "files/output_file.h"
 #include "las/las_format.h"
 
@@ -17,22 +18,6 @@
 #include <cmocka.h>
 
 #define COUNT 120001u /* two whole chunks of LAZ and a part of one */
-
-static char folder[64];
-
-/* Files are written where nobody else writes. */
-static int enter_folder(void **state)
-{
-	(void)state;
-	strcpy(folder, "/tmp/glowworm-test-XXXXXX");
-	return mkdtemp(folder) ? chdir(folder) : -1;
-}
-
-static int leave_folder(void **state)
-{
-	(void)state;
-	return chdir("/") == 0 ? rmdir(folder) : -1;
-}
 
 static void add(scan *cloud, const char *name, scan_type type, double base, double step,
 				size_t period)

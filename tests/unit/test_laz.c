@@ -4,6 +4,7 @@
  * from, and what the encoder makes of those points against the files; any points there and back.
  */
 #include "las/las_format.h"
+#include "one_processor.h"
 #include "las/las_header.h"
 #include "las/laz_channel.h"
 #include "las/laz_points.h"
@@ -267,13 +268,8 @@ static void any_number_of_threads(void **state)
 	static uint8_t packed[LAZ_SAMPLE_BYTES];
 	size_t length = laz_sample_packed(&laz_samples[1], packed);
 	scan all = read_bytes(packed, length);
-	cpu_set_t before, one;
-	assert_int_equal(sched_getaffinity(0, sizeof before, &before), 0);
-	CPU_ZERO(&one);
-	for (size_t cpu = 0; cpu < CPU_SETSIZE && CPU_COUNT(&one) == 0; cpu++)
-		if (CPU_ISSET(cpu, &before))
-			CPU_SET(cpu, &one);
-	assert_int_equal(sched_setaffinity(0, sizeof one, &one), 0);
+	cpu_set_t before;
+	keep_to_one_processor(&before);
 	scan single = read_bytes(packed, length);
 	sched_setaffinity(0, sizeof before, &before);
 	same_columns(&all, &single, "threads");

@@ -3,6 +3,7 @@
  * where memory does not hold all.
  */
 #include "expected.h"
+#include "own_folder.h"
 #include "files/output_file.h"
 #include "points/scan_thinning.h"
 #include "points/scan_told.h"
@@ -20,22 +21,6 @@
 #include <cmocka.h>
 
 #define COUNT 20000u
-
-static char folder[64];
-
-/* Files are written where nobody else writes. */
-static int enter_folder(void **state)
-{
-	(void)state;
-	strcpy(folder, "/tmp/glowworm-test-XXXXXX");
-	return mkdtemp(folder) ? chdir(folder) : -1;
-}
-
-static int leave_folder(void **state)
-{
-	(void)state;
-	return chdir("/") == 0 ? rmdir(folder) : -1;
-}
 
 /* Numbers from 0 to 1, the same every time. */
 static double random_number(uint64_t *state)
