@@ -19,14 +19,11 @@ typedef struct writer {
 
 /* ------------------------------------------------------------------------------- values */
 
-static bool is_finite_point(const scan *cloud, size_t p)
+static bool is_finite_point(const e57_out_scan *s, size_t p)
 {
-	static const char *const name[3] = { "x", "y", "z" };
-	for (int k = 0; k < 3; k++) {
-		const scan_column *column = scan_find(cloud, name[k]);
-		if (column && !isfinite(scan_value(column, p)))
+	for (size_t f = 0; f < s->field_count; f++)
+		if (s->field[f].source == E57_OF_POSITION && !isfinite(scan_value(s->field[f].column, p)))
 			return false;
-	}
 	return true;
 }
 
@@ -45,7 +42,7 @@ static int64_t whole_value(const e57_layout *l, const e57_out_scan *s, const e57
 {
 	switch (f->source) {
 	case E57_OF_STATE:
-		return is_finite_point(l->cloud, p) ? 0 : 2;
+		return is_finite_point(s, p) ? 0 : 2;
 	case E57_OF_ROW:
 		return l->cloud->image_cell[p] / s->image->columns;
 	case E57_OF_CELL_COLUMN:
