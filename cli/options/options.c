@@ -302,7 +302,9 @@ const option options[] = {
 	{ "report", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(BAKE), OFTEN(BAKE), AT(report),
 	  .group = "Output", .help = "write what was done, left out and measured, as JSON" },
 	{ "save-transport", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(BAKE | PROBES), AT(save_transport),
-	  .group = "Output", .help = "write what does not depend on the light, for --transport" },
+	  .group = "Output",
+	  .help = "write what does not depend on the light, for --transport; with --vdb also what its "
+			  "grids are made of" },
 	{ "fields", 0, "LIST", OPTION_FIELDS, FOR(BAKE | PLAN), OFTEN(BAKE), .scene = true, AT(fields),
 	  .choice = field_name, .group = "Output",
 	  .help = "more columns for the points, with commas between them" },

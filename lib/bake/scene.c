@@ -298,14 +298,14 @@ void gw_scene_report_octree(const gw_scene *scene)
 gw_status gw_scene_build_octree(gw_scene *scene, gw_error *error)
 {
 	const gw_bake_options *o = &scene->options;
-	const gw_octree_task task = { &scene->surfels, scene->still, o->depth, o->leaf_spacing };
-	const bool geometry = o->voxels || gw_transport_is_written(o->transport);
+	const gw_octree_task task = { .surfels = &scene->surfels,
+								  .depth = o->depth,
+								  .leaf_spacing = o->leaf_spacing,
+								  .regions = o->voxels || o->method == GW_METHOD_CONES,
+								  .still = scene->still };
 	GW_TRY(scene->keeps
 			   ? gw_octree_build_kept(scene->gpu, &task, &scene->kept_octree, &scene->octree, error)
-		   : o->depth == GW_DEPTH_AUTO
-			   ? gw_octree_build_spaced(scene->gpu, &scene->surfels, o->leaf_spacing, geometry,
-										&scene->octree, error)
-			   : gw_octree_build(scene->gpu, &scene->surfels, o->depth, &scene->octree, error));
+			   : gw_octree_build_task(scene->gpu, &task, &scene->octree, error));
 	/* Octrees that keep what they can are all of one shape, but for large discs. */
 	double seconds[GW_PASS_COUNT];
 	memcpy(seconds, gw_passes_seconds(&scene->passes), sizeof seconds);
@@ -317,7 +317,7 @@ gw_status gw_scene_build_octree(gw_scene *scene, gw_error *error)
 	scene->passes.threads = o->threads;
 	gw_scene_report_octree(scene);
 	/* Light does without what leaves are as voxels. */
-	if (!geometry)
+	if (!o->voxels)
 		gw_buffer_destroy(scene->gpu, &scene->octree.leaf_geometry);
 	if (o->method == GW_METHOD_CONES)
 		gw_report_count(
@@ -330,7 +330,9 @@ gw_status gw_scene_build_octree(gw_scene *scene, gw_error *error)
 gw_status gw_scene_do_without_octree(gw_scene *scene, gw_error *error)
 {
 	const gw_bake_options *o = &scene->options;
-	const gw_octree_task task = { &scene->surfels, scene->still, o->depth, o->leaf_spacing };
+	const gw_octree_task task = { .surfels = &scene->surfels,
+								  .depth = o->depth,
+								  .leaf_spacing = o->leaf_spacing };
 	GW_TRY(gw_octree_without_tree(scene->gpu, &task, &scene->octree, error));
 	gw_octree_passes(&scene->passes, scene->gpu, &scene->octree);
 	scene->passes.threads = o->threads;

@@ -21,7 +21,7 @@
 #include <string.h>
 
 #define MAGIC "glowworm transport\n"
-#define VERSION 24u
+#define VERSION 25u
 
 /* Blocks are read and checked in chunks, by all threads. */
 #define CHUNK_BYTES (UINT64_C(1) << 20)
@@ -277,6 +277,11 @@ static gw_status check_settings(const gw_transport *t, const head *h, const gw_b
 				"%s: the %s of this transport is %g and that of this bake %g; they have to be "
 				"the same (0 stands for auto)",
 				t->name, rows[i].name, rows[i].kept, rows[i].own);
+	if (o->voxels && !gw_transport_has_voxels(&h->numbers))
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "%s: this transport was saved by a bake without grids of voxels, and holds "
+					   "none; save one by a bake that writes them, too",
+					   t->name);
 	return GW_OK;
 }
 

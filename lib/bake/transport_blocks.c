@@ -31,6 +31,7 @@
 #define FROM_ABOVE 256u  /* no block: seen from above alone, for the estimated error */
 #define ADDED 512u       /* records were, where these stand closer than others */
 #define CHECKED 1024u    /* the tree of discs by which an estimate checks */
+#define VOXELS 2048u     /* what leaves are as voxels */
 
 /* Bits of gw_transport_numbers.apart. */
 #define ROWS_APART 1u
@@ -87,7 +88,7 @@ gw_transport_numbers gw_transport_numbers_of(const gw_scene *scene)
 				 (scene->sampled_moment.handle ? MOMENTS : 0) | (s->doubt ? DOUBTED : 0) |
 				 (s->seen_from_above ? FROM_ABOVE : 0) |
 				 (scene->density.facet_spacing ? ADDED : 0) |
-				 (scene->check_tree.surfel ? CHECKED : 0);
+				 (scene->check_tree.surfel ? CHECKED : 0) | (o->leaf_geometry.handle ? VOXELS : 0);
 	n.check_points = scene->check_points.count;
 	n.check_point_rays = scene->check_points.rays;
 	n.check_points_lit = scene->check_points.emitted != NULL;
@@ -108,6 +109,11 @@ gw_transport_numbers gw_transport_numbers_of(const gw_scene *scene)
 	return n;
 }
 
+bool gw_transport_has_voxels(const gw_transport_numbers *n)
+{
+	return (n->optional & VOXELS) != 0;
+}
+
 bool gw_transport_numbers_fit(const gw_transport_numbers *n)
 {
 	uint32_t directory =
@@ -125,7 +131,7 @@ bool gw_transport_numbers_fit(const gw_transport_numbers *n)
 		   n->rays <= 4096 && (uint64_t)n->rays * n->records <= UINT32_MAX && n->emits <= 2 &&
 		   n->looked <= 1 && n->portals <= GW_PORTALS_MOST && n->opened == (n->portals > 0) &&
 		   n->optional <= (NOISY | OFF | POINTS_ALBEDO | CUT | BENT | CREASED | MOMENTS | DOUBTED |
-						   FROM_ABOVE | ADDED | CHECKED) &&
+						   FROM_ABOVE | ADDED | CHECKED | VOXELS) &&
 		   (n->tree_discs == 0 || n->optional & CUT) &&
 		   (!(n->optional & MOMENTS) || n->light_samples > 0) && n->check_points <= n->surfels &&
 		   n->check_point_rays <= 4096 &&
@@ -311,7 +317,8 @@ static void list_compartments(list *l, gw_octree *o, const gw_transport_numbers 
 static void list_leaves(list *l, gw_octree *o, const gw_transport_numbers *n)
 {
 	uint64_t facets = 32 * (uint64_t)n->leaves, surfels = 16 * n->surfels;
-	device(l, "geometry of leaves", &o->leaf_geometry, facets);
+	if (n->optional & VOXELS)
+		device(l, "geometry of leaves", &o->leaf_geometry, facets);
 	device(l, "planes of facets", &o->facet_plane, facets);
 	device(l, "centroids of facets", &o->facet_centre, facets);
 	device(l, "albedos of facets", &o->facet_albedo, facets);

@@ -63,6 +63,9 @@ gw_transport_numbers gw_transport_numbers_of(const gw_scene *scene);
 /* Whether these numbers can be those of a scene: no size overflows, no count is absurd. */
 bool gw_transport_numbers_fit(const gw_transport_numbers *numbers);
 
+/* Whether leaves have what grids of voxels are made of. */
+bool gw_transport_has_voxels(const gw_transport_numbers *numbers);
+
 /* Stores the numbers in a scene without arrays. */
 void gw_transport_numbers_restore(const gw_transport_numbers *numbers, gw_scene *scene);
 

@@ -191,7 +191,8 @@ static gw_status find_in_coarser(gw_gpu *gpu, const gw_surfels *surfels, uint32_
 	gw_octree *coarser = gw_allocate_zeros(1, sizeof *coarser);
 	if (coarser == NULL)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for an octree");
-	gw_status status = gw_octree_build_spaced(gpu, surfels, GW_LEAF_SPACING, false, coarser, error);
+	const gw_octree_task task = { .surfels = surfels, .leaf_spacing = GW_LEAF_SPACING };
+	gw_status status = gw_octree_build_task(gpu, &task, coarser, error);
 	if (status == GW_OK)
 		status = find_in_own_cells(gpu, surfels, threads, coarser, error);
 	if (status == GW_OK) {

@@ -95,7 +95,7 @@ typedef struct gw_octree {
 	 * 2 * leaf + s; unused slots are zero. */
 	/* R32G32B32A32_SFLOAT, 2 * leaf_count: by RoI intersection volume (Salm 4.3.4): [2i] =
 	 * albedo rgb times opacity, opacity (may exceed 1, see there); [2i+1] = NDF xyz times
-	 * opacity, 0; may be destroyed where nobody asks for it */
+	 * opacity, 0; none of octrees without regions */
 	gw_buffer leaf_geometry;
 	/* R32G32B32A32_SFLOAT, 2 * leaf_count: unit normal n, offset c; the plane is n . (g - cell
 	 * centre) = c, in leaf cells */
@@ -113,8 +113,8 @@ typedef struct gw_octree {
 	/* R32_UINT, leaf_count + 1: first fragment of each leaf */
 	gw_buffer leaf_fragment;
 	/* R32_UINT, fragment_count: bits 0-29 the surfel; bit 30: which facet it joined; bit 31: a
-	 * RoI fragment (weight is an intersection volume, leaf cells^3) rather than a disc
-	 * fragment (weight is an area, leaf cells^2) */
+	 * RoI fragment (weight is an intersection volume, leaf cells^3; octrees with regions alone
+	 * have some) rather than a disc fragment (weight is an area, leaf cells^2) */
 	gw_buffer fragment_surfel;
 	/* R32_SFLOAT, fragment_count */
 	gw_buffer fragment_weight;
@@ -164,24 +164,32 @@ gw_disc_shape gw_octree_disc_shape(const gw_octree *octree);
 /* The depth that GW_DEPTH_AUTO gives when memory suffices. */
 uint32_t gw_octree_auto_depth(const gw_surfels *surfels);
 
+/* An octree to be built. */
+typedef struct gw_octree_task {
+	const gw_surfels *surfels;
+	uint32_t depth; /* 1..GW_DEPTH_MAX: leaves are as small as the depth allows; GW_DEPTH_AUTO: they
+					   are as wide as leaf_spacing says, or as much wider as memory and the device's
+					   limits ask for, and then the octree says so */
+	float leaf_spacing; /* of GW_DEPTH_AUTO: the width, in surfels->spacing */
+	bool regions;       /* regions of influence make leaves, too, and these have their geometry: for
+						   voxels and cones. Rays meet discs alone, and do without these leaves, which
+						   are a sixth of all in a smooth scene and two fifths on rough rock */
+	size_t still; /* of gw_octree_build_kept: so many surfels stay where they are, the first ones.
+					 These, bounds and spacing must be the same in every build; or, in the first
+					 one, they may be all there are */
+} gw_octree_task;
+
 /*
  * Builds the octree of a cloud.
- *   depth   1..GW_DEPTH_MAX: leaves are as small as the depth allows; GW_DEPTH_AUTO: as
- *           gw_octree_build_spaced with GW_LEAF_SPACING
  *   octree  on success to be freed with gw_octree_destroy; zeroed on failure
  * Fails with GW_ERROR_MEMORY, with the bytes needed and a depth that would fit.
  */
+gw_status gw_octree_build_task(gw_gpu *gpu, const gw_octree_task *task, gw_octree *octree,
+							   gw_error *error);
+
+/* The same with regions, of a depth, or by GW_LEAF_SPACING. */
 gw_status gw_octree_build(gw_gpu *gpu, const gw_surfels *surfels, uint32_t depth, gw_octree *octree,
 						  gw_error *error);
-
-/*
- * Builds the octree of a cloud with leaves of a width, or as much wider as memory and the device's
- * limits ask for; then the octree says so.
- *   leaf_spacing  the width, in surfels->spacing
- *   geometry      leaf_geometry is asked for; there is none otherwise
- */
-gw_status gw_octree_build_spaced(gw_gpu *gpu, const gw_surfels *surfels, float leaf_spacing,
-								 bool geometry, gw_octree *octree, gw_error *error);
 void gw_octree_destroy(gw_gpu *gpu, gw_octree *octree);
 
 /* Drops tile_neighbour and leaf_tile_neighbour: with compartments found only cones need them. */
@@ -190,26 +198,17 @@ void gw_octree_drop_neighbours(gw_gpu *gpu, gw_octree *octree);
 /* What octrees have in common whose first surfels are the same: fragments of these, and passes. */
 typedef struct gw_octree_kept gw_octree_kept;
 
-/* An octree to be built of surfels of which some stay where they are. */
-typedef struct gw_octree_task {
-	const gw_surfels *surfels; /* the first `still` of them, bounds and spacing must be the same in
-								  every build, or, in the first one, may be all there are */
-	size_t still;
-	uint32_t depth;     /* as of gw_octree_build */
-	float leaf_spacing; /* as of gw_octree_build_spaced, for GW_DEPTH_AUTO */
-} gw_octree_task;
-
 /*
  * Only the places and normals of surfels, in the coordinates of the grid that an octree of the same
  * task would have: for light that nothing hides. Depth and all counts are 0. Where memory would
  * have made the octree coarser, the grid is not.
- *   octree   as of gw_octree_build
+ *   octree   as of gw_octree_build_task
  */
 gw_status gw_octree_without_tree(gw_gpu *gpu, const gw_octree_task *task, gw_octree *octree,
 								 gw_error *error);
 
 /*
- * Builds the same octree as the functions above, to the last bit, quicker when it is built again
+ * Builds the same octree as gw_octree_build_task, to the last bit, quicker when it is built again
  * with surfels of which only those at and after task->still have moved (Salm 4.5).
  *   kept    *kept is NULL in the first call, which chooses depth and width of the leaves; to be
  *           destroyed with gw_octree_kept_destroy

@@ -168,7 +168,7 @@ static void give_back(gw_octree_work *work)
 	work->sort = (gw_radix_sort){ 0 };
 }
 
-/* Of `start` are set: gpu, surfels, octree, geometry, leaf_size, still and kept. */
+/* Of `start` are set: gpu, surfels, octree, regions, leaf_size, still and kept. */
 static gw_status build_once(const gw_octree_work *start, uint32_t depth, gw_error *error)
 {
 	gw_octree_work work = *start;
@@ -229,51 +229,55 @@ gw_status gw_octree_without_tree(gw_gpu *gpu, const gw_octree_task *task, gw_oct
 	return status;
 }
 
-gw_status gw_octree_build_spaced(gw_gpu *gpu, const gw_surfels *surfels, float leaf_spacing,
-								 bool geometry, gw_octree *octree, gw_error *error)
+/* With leaves as wide as the start says, or as much wider as there is room for. */
+static gw_status build_spaced(gw_octree_work *start, gw_error *error)
 {
-	gw_octree_work start = { .gpu = gpu,
-							 .surfels = surfels,
-							 .octree = octree,
-							 .geometry = geometry,
-							 .leaf_size = (double)leaf_spacing * (double)surfels->spacing };
+	gw_octree *octree = start->octree;
 	float wanted = 0.0f;
 	uint64_t too_many;
 	char why[GW_OCTREE_WHY] = "";
-	start.too_many = &too_many;
-	memset(octree, 0, sizeof *octree);
-	if (surfels->count == 0 || surfels->count > GW_FRAGMENT_SURFEL)
-		return fail_count(surfels, error);
+	start->too_many = &too_many;
 	for (;;) {
-		uint32_t depth = depth_of(extent_of(surfels) / start.leaf_size);
+		uint32_t depth = depth_of(extent_of(start->surfels) / start->leaf_size);
 		too_many = 0;
-		gw_status status = build_once(&start, depth, error);
+		gw_status status = build_once(start, depth, error);
 		if (status == GW_OK) {
 			octree->wanted_leaf_size = wanted;
 			memcpy(octree->why_coarser, why, sizeof why);
 		}
 		if (status != GW_ERROR_MEMORY || depth == 1)
 			return status;
-		note_coarser(start.leaf_size, error, &wanted, why);
-		start.leaf_size *= widening(gpu, too_many);
+		note_coarser(start->leaf_size, error, &wanted, why);
+		start->leaf_size *= widening(start->gpu, too_many);
 	}
+}
+
+gw_status gw_octree_build_task(gw_gpu *gpu, const gw_octree_task *task, gw_octree *octree,
+							   gw_error *error)
+{
+	const gw_surfels *surfels = task->surfels;
+	gw_octree_work start = {
+		.gpu = gpu, .surfels = surfels, .octree = octree, .regions = task->regions
+	};
+	memset(octree, 0, sizeof *octree);
+	if (task->depth > GW_DEPTH_MAX)
+		return gw_fail(error, GW_ERROR_USAGE, "an octree of depth %u: it has to be 1 to %u",
+					   task->depth, GW_DEPTH_MAX);
+	if (surfels->count == 0 || surfels->count > GW_FRAGMENT_SURFEL)
+		return fail_count(surfels, error);
+	if (task->depth != GW_DEPTH_AUTO)
+		return build_once(&start, task->depth, error);
+	start.leaf_size = (double)task->leaf_spacing * (double)surfels->spacing;
+	return build_spaced(&start, error);
 }
 
 gw_status gw_octree_build(gw_gpu *gpu, const gw_surfels *surfels, uint32_t depth, gw_octree *octree,
 						  gw_error *error)
 {
-	memset(octree, 0, sizeof *octree);
-	if (depth > GW_DEPTH_MAX)
-		return gw_fail(error, GW_ERROR_USAGE, "an octree of depth %u: it has to be 1 to %u", depth,
-					   GW_DEPTH_MAX);
-	if (depth == GW_DEPTH_AUTO)
-		return gw_octree_build_spaced(gpu, surfels, GW_LEAF_SPACING, true, octree, error);
-	if (surfels->count == 0 || surfels->count > GW_FRAGMENT_SURFEL)
-		return fail_count(surfels, error);
-	const gw_octree_work start = {
-		.gpu = gpu, .surfels = surfels, .octree = octree, .geometry = true
+	const gw_octree_task task = {
+		.surfels = surfels, .depth = depth, .leaf_spacing = GW_LEAF_SPACING, .regions = true
 	};
-	return build_once(&start, depth, error);
+	return gw_octree_build_task(gpu, &task, octree, error);
 }
 
 /* Builds with what is kept already, in the shape that was chosen then. */
@@ -317,7 +321,7 @@ gw_status gw_octree_build_kept(gw_gpu *gpu, const gw_octree_task *task, gw_octre
 	gw_octree_work start = { .gpu = gpu,
 							 .surfels = surfels,
 							 .octree = octree,
-							 .geometry = true,
+							 .regions = task->regions,
 							 .still = task->still,
 							 .kept = *kept };
 	uint64_t too_many = 0;

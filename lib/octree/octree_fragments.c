@@ -235,7 +235,8 @@ static gw_status run_fragments(gw_octree_work *work, uint32_t emit, gw_error *er
 							   .emit = emit,
 							   .wide = wide,
 							   .base = (uint32_t)work->from,
-							   .disc_most = gw_octree_disc_most(work->surfels) };
+							   .disc_most = gw_octree_disc_most(work->surfels),
+							   .regions = work->regions };
 	gw_binding bindings[] = {
 		GW_WHOLE(&octree->surfel_position),
 		GW_WHOLE(&octree->surfel_normal),

@@ -256,7 +256,7 @@ gw_status gw_octree_reduce_leaves(gw_octree_work *work, gw_error *error)
 		.directory_level = octree->directory_level,
 	};
 	GW_TRY(find_seeds(work, push, longest, error));
-	if (!work->geometry)
+	if (!work->regions)
 		gw_buffer_destroy(work->gpu, &octree->leaf_geometry);
 	GW_TRY(create_facets(work, error));
 	GW_TRY(add_up_facets(work, push, longest, error));

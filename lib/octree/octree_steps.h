@@ -41,7 +41,7 @@ typedef struct gw_octree_work {
 	gw_gpu *gpu;
 	const gw_surfels *surfels;
 	gw_octree *octree;
-	bool geometry;        /* leaf_geometry is asked for */
+	bool regions;         /* as of gw_octree_task */
 	double leaf_size;     /* metres; leaves are at least this wide */
 	uint64_t *too_many;   /* NULL, or receives how many fragments there are when the device takes
 							 fewer: wider leaves are tried then */

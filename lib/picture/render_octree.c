@@ -79,11 +79,11 @@ static gw_status make(gw_render_octree *o, const gw_surfels *surfels, const floa
 									.validate_gpu_assisted =
 										options->validate == GW_VALIDATE_ACCESSES };
 	GW_TRY(gw_gpu_create(&device, &o->gpu, error));
-	if (options->depth == GW_DEPTH_AUTO)
-		GW_TRY(gw_octree_build_spaced(o->gpu, surfels, options->leaf_spacing, false, &o->octree,
-									  error));
-	else
-		GW_TRY(gw_octree_build(o->gpu, surfels, options->depth, &o->octree, error));
+	const gw_octree_task task = { .surfels = surfels,
+								  .depth = options->depth,
+								  .leaf_spacing = options->leaf_spacing,
+								  .regions = options->bricks };
+	GW_TRY(gw_octree_build_task(o->gpu, &task, &o->octree, error));
 	gw_octree_passes(&o->passes, o->gpu, &o->octree);
 	GW_TRY(upload_radiance(o, surfels, radiance, error));
 	GW_TRY(average_facets(o, error));

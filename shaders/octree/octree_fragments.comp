@@ -269,7 +269,8 @@ void main()
 	if (texelFetch(surfel_normal, int(surfel)).w != GW_MARK_BACK &&
 		all(greaterThanEqual(position.xyz, vec3(0.0))) &&
 		all(lessThanEqual(position.xyz, vec3(push.side)))) {
-		add_roi(disc.cell, disc.place, position.w);
+		if (push.regions != 0u)
+			add_roi(disc.cell, disc.place, position.w);
 		if (disc.radius <= GW_DISC_SMALL)
 			add_small_disc(disc);
 		else if (disc.radius <= push.disc_most)

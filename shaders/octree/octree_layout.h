@@ -48,8 +48,9 @@ SHARED_STRUCT(gw_fragments_push)
 	uint wide;       /* keys have a high word */
 	uint base;       /* the surfel that element 0 is */
 	float disc_most; /* radius, leaf cells: of a larger disc one leaf holds all the area */
+	uint regions;    /* 1: regions of influence have fragments, too */
 };
-SHARED_SIZE(gw_fragments_push, 28);
+SHARED_SIZE(gw_fragments_push, 32);
 
 /* Distinct keys, and lists of keys. */
 SHARED_STRUCT(gw_keys_push)

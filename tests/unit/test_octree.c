@@ -940,20 +940,21 @@ static void test_wider_leaves(void **state)
 	gw_error error = { 0 };
 	gw_surfels s;
 	gw_octree octree;
+	gw_octree_task task = { .surfels = &s, .leaf_spacing = 0.125f, .regions = true };
 	make_scattered(2000, 9, 0.2f, &s);
-	assert_ok(gw_octree_build_spaced(gpu, &s, 0.125f, true, &octree, &error), &error);
+	assert_ok(gw_octree_build_task(gpu, &task, &octree, &error), &error);
 	uint32_t fine = octree.fragment_count, most = fine / 6, steps = 0;
 	gw_octree_destroy(gpu, &octree);
 	uint64_t before = gw_gpu_read_account(gpu).uploaded_bytes;
 	gpu->device.properties.limits.maxStorageBufferRange = 4 * most;
-	assert_ok(gw_octree_build_spaced(gpu, &s, 0.125f, true, &octree, &error), &error);
+	assert_ok(gw_octree_build_task(gpu, &task, &octree, &error), &error);
 	uint64_t uploaded = gw_gpu_read_account(gpu).uploaded_bytes - before;
 	assert_true(octree.fragment_count <= most && octree.wanted_leaf_size > 0.0f);
 	gw_octree_destroy(gpu, &octree);
 	gpu->device.properties.limits.maxStorageBufferRange = UINT32_MAX;
 	for (uint32_t count = fine; count > most; steps++) {
-		float spacing = 0.125f * exp2f(0.5f * (float)(steps + 1));
-		assert_ok(gw_octree_build_spaced(gpu, &s, spacing, true, &octree, &error), &error);
+		task.leaf_spacing = 0.125f * exp2f(0.5f * (float)(steps + 1));
+		assert_ok(gw_octree_build_task(gpu, &task, &octree, &error), &error);
 		count = octree.fragment_count;
 		gw_octree_destroy(gpu, &octree);
 	}
