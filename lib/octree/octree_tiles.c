@@ -119,18 +119,30 @@ static gw_status add_parents(gw_octree_work *work, uint32_t t, gw_error *error)
 	return GW_OK;
 }
 
+/* One level of tiles. Rays need no border tiles: then the parents are those of what there is. */
+static gw_status make_level(gw_octree_work *work, uint32_t t, gw_error *error)
+{
+	bool leaf_tiles = t + 1 == work->octree->depth, bordered = work->regions;
+	gw_buffer *below = leaf_tiles || bordered ? &work->real[t + 1] : &work->parent[t + 1];
+	const gw_key_list cells = { below, NULL, work->real_count[t + 1], 3 };
+	GW_TRY(find_distinct(work, &cells, bordered ? "cells of a level" : "tile keys of a level",
+						 bordered ? &work->real[t] : &work->parent[t], &work->real_count[t],
+						 error));
+	work->parent_count[t] = work->real_count[t];
+	if (bordered)
+		GW_TRY(add_parents(work, t, error));
+	/* Leaf keys are needed further. */
+	if (!leaf_tiles)
+		gw_buffer_destroy(work->gpu, &work->real[t + 1]);
+	return GW_OK;
+}
+
 static gw_status make_levels(gw_octree_work *work, gw_error *error)
 {
 	gw_octree *octree = work->octree;
 	for (uint32_t t = octree->depth; t-- > 0;) {
-		const gw_key_list cells = { &work->real[t + 1], NULL, work->real_count[t + 1], 3 };
-		GW_TRY(find_distinct(work, &cells, "cells of a level", &work->real[t], &work->real_count[t],
-							 error));
-		GW_TRY(add_parents(work, t, error));
+		GW_TRY(make_level(work, t, error));
 		octree->border_tile_count += work->parent_count[t] - work->real_count[t];
-		/* Leaf keys are needed further. */
-		if (t + 1 < octree->depth)
-			gw_buffer_destroy(work->gpu, &work->real[t + 1]);
 	}
 	gw_buffer_destroy(work->gpu, &work->real[0]);
 	gw_buffer_destroy(work->gpu, &work->first);
