@@ -2,10 +2,11 @@
  * copc_tree.h - the octree of a COPC file: which points each node holds.
  *
  * A node of the octree holds one point of each cell that has any, of 128 cells along its side, the
- * one in the middle of the cell's points; its children hold the others. Some thousands of points
- * are a node at least, so that chunks are worth compressing: children that would get fewer are
- * none, and where few cells have points, more of each are taken. The same points give the same
- * tree.
+ * one in the middle of the cell's points; its children hold the others. Ten thousand points are
+ * a node at least, so that chunks are worth compressing: children that would get fewer are
+ * none, and where few cells have points, more of each are taken. A node's points lie along a
+ * Hilbert curve, and those of each short run of it by brightness, so that each is like the one
+ * before. The same points give the same tree.
  */
 #ifndef COPC_TREE_H
 #define COPC_TREE_H

@@ -177,7 +177,7 @@ static double far_stray(size_t i)
 static void clouds_of_all_sizes(void **state)
 {
 	(void)state;
-	static const size_t counts[] = { 0, 1, 2, 25000, 25001, 90000 };
+	static const size_t counts[] = { 0, 1, 2, 100000, 100001, 300000 };
 	size_t nodes[6];
 	for (size_t c = 0; c < 6; c++) {
 		scan cloud = make_cloud(counts[c], false);
@@ -191,7 +191,7 @@ static void clouds_of_all_sizes(void **state)
 static void points_that_lie_together(void **state)
 {
 	(void)state;
-	scan same = { .count = 60000 }, stray = { .count = 60000 };
+	scan same = { .count = 120000 }, stray = { .count = 120000 };
 	static const char *const axes[3] = { "x", "y", "z" };
 	for (int k = 0; k < 3; k++) {
 		add_values(&same, axes[k], SCAN_FLOAT64, nowhere);
@@ -261,6 +261,80 @@ static void root_is_thinned(void **state)
 	scan_clear(&cloud);
 }
 
+static double axis_of(size_t i, size_t k)
+{
+	return (double)(i >> 5 * k & 31);
+}
+
+/* The points of a grid of 32 along each axis, in one node. */
+static void order_grid(scan *cloud, copc_tree *tree)
+{
+	static const char *const axes[3] = { "x", "y", "z" };
+	gw_error error = { 0 };
+	las_records records;
+	for (size_t k = 0; k < 3; k++) {
+		add_values(cloud, axes[k], SCAN_FLOAT64, nowhere);
+		for (size_t i = 0; i < cloud->count; i++)
+			scan_store(&cloud->column[cloud->column_count - 1], i, axis_of(i, k));
+	}
+	assert_int_equal(las_records_make(&records, cloud, "cloud", true, &error), GW_OK);
+	assert_int_equal(copc_tree_make(tree, &records, &error), GW_OK);
+	assert_int_equal(tree->node_count, 1);
+	las_records_clear(&records);
+}
+
+/* Points follow the Hilbert curve, which goes from cube to cube through a side that both share. */
+static void neighbours_follow(void **state)
+{
+	(void)state;
+	scan cloud = { .count = 32768 };
+	copc_tree tree;
+	order_grid(&cloud, &tree);
+	for (size_t i = 1; i < cloud.count; i++) {
+		double steps = 0.0;
+		for (size_t k = 0; k < 3; k++)
+			steps += fabs(axis_of(tree.order[i], k) - axis_of(tree.order[i - 1], k));
+		assert_true(steps == 1.0);
+	}
+	copc_tree_clear(&tree);
+	scan_clear(&cloud);
+}
+
+static double luminance_of(size_t i)
+{
+	return i % 1000 == 7 ? (double)NAN : hashed(i, 5);
+}
+
+/* Those of a run of 32 are sorted by luminance where there is one, up and down in turn: so that two
+ * runs meet where both are bright, or both dark. What is no number stays where it is. */
+static void brightness_changes_little(void **state)
+{
+	(void)state;
+	scan cloud = { .count = 32768 };
+	copc_tree tree, plain;
+	add_values(&cloud, "quality", SCAN_FLOAT32, luminance_of);
+	order_grid(&cloud, &tree);
+	for (size_t i = 1; i < cloud.count; i++) {
+		double before = luminance_of(tree.order[i - 1]), own = luminance_of(tree.order[i]);
+		if (i % 32 != 0 && isfinite(before) && isfinite(own))
+			assert_true(i / 32 % 2 ? own <= before : own >= before);
+	}
+	scan bare = { .count = 32768 };
+	order_grid(&bare, &plain);
+	bool *seen = calloc(cloud.count, sizeof *seen);
+	for (size_t i = 0; i < cloud.count; i++) {
+		seen[plain.order[i]] = true;
+		if (i % 32 == 31)
+			for (size_t k = i - 31; k <= i; k++)
+				assert_true(seen[tree.order[k]]);
+	}
+	free(seen);
+	copc_tree_clear(&tree);
+	copc_tree_clear(&plain);
+	scan_clear(&cloud);
+	scan_clear(&bare);
+}
+
 static void any_number_of_threads(void **state)
 {
 	(void)state;
@@ -296,6 +370,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(clouds_of_all_sizes),   cmocka_unit_test(points_that_lie_together),
 		cmocka_unit_test(every_format_and_type), cmocka_unit_test(root_is_thinned),
+		cmocka_unit_test(neighbours_follow),     cmocka_unit_test(brightness_changes_little),
 		cmocka_unit_test(any_number_of_threads), cmocka_unit_test(names_and_contents),
 	};
 	return cmocka_run_group_tests(tests, make_paths, remove_paths);
