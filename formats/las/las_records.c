@@ -35,11 +35,13 @@ static bool find_color(las_records *w, const las_survey *survey)
 	if (!scan_find(w->cloud, "red") || !scan_find(w->cloud, "green") ||
 		!scan_find(w->cloud, "blue") || !scan_color_find(w->cloud, scan_color_names, &w->color))
 		return false;
+	const scan_column *albedo[3];
 	bool bytes = true;
 	for (int k = 0; k < 3; k++)
 		bytes = bytes && scan_type_size(w->color.column[k]->type) == 1;
 	if (!bytes && survey->color.count > 0)
 		scan_color_tally_settle(&survey->color, &w->color);
+	w->preview = bytes && scan_find_triple(w->cloud, scan_albedo_names, albedo);
 	return true;
 }
 
@@ -140,6 +142,8 @@ static uint16_t color_value(const las_records *w, const scan_column *column, siz
 	while (w->color.column[channel] != column && channel < 2)
 		channel++;
 	double value = scan_color_value(&w->color, channel, i);
+	if (w->preview)
+		return (uint16_t)((unsigned)(value * 255.0 + 0.5) << 8);
 	return value > 0.0 ? (uint16_t)(fmin(value, 1.0) * 65535.0 + 0.5) : 0;
 }
 

@@ -25,6 +25,9 @@ typedef struct las_records {
 	const scan_column **column; /* owned; of each field, NULL: zeros */
 	scan_color color;
 	bool colored, returns; /* the scan has colours, return numbers */
+	bool preview; /* colours are bytes and not what points reflect, which has columns of its
+					 own: bytes become multiples of 256, as the LAS standard has it, of which
+					 LAZ makes half as many bytes as of multiples of 257 */
 } las_records;
 
 /*

@@ -288,6 +288,15 @@ static void lit_points(void **state)
 	assert_true(has_comment(&back, "glowworm units: some"));
 	assert_true(value(&back, "return_number", 0) == 1.0);
 	scan_clear(&back);
+
+	/* Beside what points reflect, bytes of colour are for viewers, which take the upper byte. */
+	static const char *const albedo[3] = { "albedo_r", "albedo_g", "albedo_b" };
+	for (int k = 0; k < 3; k++)
+		add(&cloud, albedo[k], SCAN_UINT8);
+	back = write_and_read(&cloud);
+	for (size_t i = 0; i < 4; i++)
+		assert_true(value(&back, "green", i) == 85.0 * 256.0 * (double)i);
+	scan_clear(&back);
 	scan_clear(&cloud);
 }
 
