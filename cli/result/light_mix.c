@@ -3,6 +3,7 @@
 #include "result/lit_lamps.h"
 #include "options/preview.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,6 +13,9 @@
  * 2^-25 of itself, the sum is off by 2^-25 of the radiance at most, and the radiance is rounded
  * too. A thousand times as much cannot be rounding. */
 #define LARGEST_DIFFERENCE 1e-4
+
+/* And more than this many bits are not rounded away: --las-radiance bfloat16 does. */
+#define ROUNDED_MOST 16
 
 static const char prefix[] = LIT_LAMPS_PREFIX;
 
@@ -66,6 +70,24 @@ static const scan_column *column_of(const work *m, size_t index, size_t channel)
 	return &m->cloud->column[m->lamps.lamp[index].column[channel]];
 }
 
+static double note_bits(const work *m, double value)
+{
+	float single = (float)value;
+	uint32_t bits;
+	memcpy(&bits, &single, sizeof bits);
+	m->whole->bits |= bits;
+	return value;
+}
+
+/* How far rounding may have moved the sum, and the radiance itself, from what they were: each value
+ * by half of its last bit at most, which is that share of it. */
+static double largest_rounding(const light_mix *mix)
+{
+	uint32_t mantissa = mix->bits & ((1u << (FLT_MANT_DIG - 1)) - 1);
+	int zeros = mantissa ? __builtin_ctz(mantissa) : ROUNDED_MOST;
+	return 2.0 * ldexp(1.0, (zeros < ROUNDED_MOST ? zeros : ROUNDED_MOST) - FLT_MANT_DIG);
+}
+
 /* What the lamps as they came in add up to, beside the radiance that came in, if there is one. */
 static void compare_sum(const work *m)
 {
@@ -74,9 +96,9 @@ static void compare_sum(const work *m)
 		name[sizeof name - 2] = "rgb"[k];
 		const scan_column *radiance = scan_find(m->cloud, name);
 		for (size_t i = 0; radiance && i < m->cloud->count; i++) {
-			double sum = 0.0, whole = scan_value(radiance, i);
+			double sum = 0.0, whole = note_bits(m, scan_value(radiance, i));
 			for (size_t l = 0; l < m->lamps.count; l++)
-				sum += scan_value(column_of(m, l, k), i);
+				sum += note_bits(m, scan_value(column_of(m, l, k), i));
 			m->whole->squares += (sum - whole) * (sum - whole);
 			m->whole->own += whole * whole;
 		}
@@ -85,7 +107,8 @@ static void compare_sum(const work *m)
 
 gw_status light_mix_check(const light_mix *mix, gw_error *error)
 {
-	if (isfinite(mix->squares) && sqrt(mix->squares) <= LARGEST_DIFFERENCE * sqrt(mix->own))
+	double largest = LARGEST_DIFFERENCE + largest_rounding(mix);
+	if (isfinite(mix->squares) && sqrt(mix->squares) <= largest * sqrt(mix->own))
 		return GW_OK;
 	return gw_fail(
 		error, GW_ERROR_DATA,

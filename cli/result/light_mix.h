@@ -22,6 +22,7 @@ typedef struct light_mix {
 	bool adds_up;        /* is known, so that it is not looked at again */
 	double own, squares; /* sums over these: radiance that came in, and by how much the sum of the
 							lamps is off it, both squared */
+	uint32_t bits;       /* that are set in some of these values, as floats */
 } light_mix;
 
 /*
