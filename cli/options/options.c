@@ -99,7 +99,10 @@ static const char *colors_name(int i)
 static const char *las_radiance_name(int i)
 {
 	static const char *const name[] = {
-		[SETTINGS_LAS_FLOAT] = "float", [SETTINGS_LAS_HALF] = "half", [SETTINGS_LAS_COUNT] = NULL
+		[SETTINGS_LAS_FLOAT] = "float",
+		[SETTINGS_LAS_HALF] = "half",
+		[SETTINGS_LAS_BFLOAT16] = "bfloat16",
+		[SETTINGS_LAS_COUNT] = NULL,
 	};
 	return name[i];
 }
@@ -273,7 +276,14 @@ const option options[] = {
 	{ "las-radiance", 0, NULL, OPTION_CHOICE, QUIETLY, FOR(BAKE | MIX | CONVERT), AT(las_radiance),
 	  .choice = las_radiance_name, .group = "Output",
 	  .help = "how exactly LAS, LAZ and COPC keep the columns of light: as they are, or rounded to "
-			  "the 11 bits of a half float, up to 0.05 % off, of which LAZ is smaller" },
+			  "the 11 bits of a half float, up to 0.05 % off, or the 8 of a bfloat16, up to 0.4 % "
+			  "off. LAZ gets smaller, readers see floats all the same" },
+	{ "las-step", 0, "X", OPTION_REAL, QUIETLY, FOR(BAKE | MIX | CONVERT), AT(las_step),
+	  RANGE(0.0, 1e-3), .group = "Output",
+	  .help = "let LAS, LAZ and COPC round coordinates to a grid of this step, in their own units, "
+			  "and normals to multiples of 1/2048, up to 0.025 degrees off; 0 gives both back as "
+			  "they are, wherever LAS can. For most scans 0.0001, a tenth of a millimetre, is "
+			  "finer than what the scanner saw" },
 	{ "force", 'f', NULL, OPTION_FLAG, QUIETLY,
 	  FOR(BAKE | SAMPLE | COMPARE | TRADEOFF | MIX | CONVERT | RENDER | ALBEDO | LAMP | PROBES |
 		  PAGE),

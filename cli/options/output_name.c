@@ -33,13 +33,14 @@ gw_status output_name_format(const char *path, const char *name, const format **
 				   "%s: the name must end in a format that can be written: %s", path, known);
 }
 
-gw_status output_name_check_light(const format *f, int how, const char *path, gw_error *error)
+gw_status output_name_check_rounding(const format *f, const settings *s, const char *path,
+									 gw_error *error)
 {
 	static const char *const kin[] = { "las", "laz", "copc", NULL };
+	bool light = s->las_radiance != SETTINGS_LAS_FLOAT;
 	for (const char *const *k = kin; *k; k++)
-		if (how == SETTINGS_LAS_FLOAT || strcmp(f->name, *k) == 0)
+		if ((!light && s->las_step <= 0.0f) || strcmp(f->name, *k) == 0)
 			return GW_OK;
-	return gw_fail(error, GW_ERROR_USAGE,
-				   "--las-radiance is for LAS, LAZ and COPC, and %s is %s; leave it out", path,
-				   f->name);
+	return gw_fail(error, GW_ERROR_USAGE, "%s is for LAS, LAZ and COPC, and %s is %s; leave it out",
+				   light ? "--las-radiance" : "--las-step", path, f->name);
 }

@@ -4,6 +4,7 @@
 #ifndef OUTPUT_NAME_H
 #define OUTPUT_NAME_H
 
+#include "options/settings.h"
 #include "table/format_table.h"
 
 /* Whether bytes can only be appended to what has that name: standard output, a pipe, a device. */
@@ -18,9 +19,10 @@ bool output_name_is_stream(const char *path);
 gw_status output_name_format(const char *path, const char *name, const format **found,
 							 gw_error *error);
 
-/* Whether a format can keep light so; GW_ERROR_USAGE: only LAS and its kin are rounded.
- *   how    a settings_las_radiance
+/* Whether a format's values may be rounded as options have it; GW_ERROR_USAGE: only those of LAS
+ * and its kin are.
  *   path   of the output, for the message */
-gw_status output_name_check_light(const format *f, int how, const char *path, gw_error *error);
+gw_status output_name_check_rounding(const format *f, const settings *s, const char *path,
+									 gw_error *error);
 
 #endif

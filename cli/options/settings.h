@@ -92,7 +92,8 @@ typedef enum settings_remainder {
 /* How exactly LAS keeps light. */
 typedef enum settings_las_radiance {
 	SETTINGS_LAS_FLOAT,
-	SETTINGS_LAS_HALF, /* rounded to as many bits as a half float has */
+	SETTINGS_LAS_HALF,     /* rounded to as many bits as a half float has, */
+	SETTINGS_LAS_BFLOAT16, /* or as the upper half of a float */
 	SETTINGS_LAS_COUNT
 } settings_las_radiance;
 
@@ -248,6 +249,7 @@ typedef struct settings {
 	float capture_scale;             /* colour, linear, of radiance 1; 0: unknown */
 	int remainder;                   /* a settings_remainder */
 	int las_radiance;                /* a settings_las_radiance */
+	float las_step;                  /* of coordinates, at most; 0: they come back exactly */
 	int quality;                     /* a gw_quality */
 	float opacity;                   /* of all points, 0..1; -1: as columns say */
 	float exposure;                  /* EV; NAN: from the picture */

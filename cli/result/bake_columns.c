@@ -1,5 +1,7 @@
 #include "result/bake_columns.h"
 
+#include <float.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -65,8 +67,8 @@ static bool is_of(const column_group *g, const char *name)
 
 static bool is_light(const char *name)
 {
-	static const char lamp[] = "scalar_light_";
-	if (strncmp(name, lamp, sizeof lamp - 1) == 0)
+	static const char of_lamp[] = "scalar_light_";
+	if (strncmp(name, of_lamp, sizeof of_lamp - 1) == 0)
 		return true;
 	for (size_t i = 0; i < sizeof groups / sizeof *groups; i++)
 		if (groups[i].kind != OTHER && is_of(&groups[i], name))
@@ -74,32 +76,68 @@ static bool is_light(const char *name)
 	return false;
 }
 
-/* To the nearer of two values, to the even one of two that are as near. What is no number stays
- * none. */
-static float round_to_half(float value)
+/* To the nearer of two values of so many bits, to the even one of two that are as near. What is no
+ * number stays none. */
+static float round_to_bits(float value, int kept)
 {
-	enum { DROPPED = 23 - 10 };
-	uint32_t bits, half = 1u << (DROPPED - 1), exponent = 0x7f800000;
+	const int dropped = FLT_MANT_DIG - kept;
+	uint32_t bits, half = 1u << (dropped - 1), exponent = 0x7f800000;
 	memcpy(&bits, &value, sizeof bits);
 	if ((bits & exponent) == exponent)
 		return value;
-	uint32_t rounded = bits + half - 1 + (bits >> DROPPED & 1);
+	uint32_t rounded = bits + half - 1 + (bits >> dropped & 1);
 	/* The largest ones would become infinite. */
 	bits = ((rounded & exponent) == exponent ? bits : rounded) & ~(2 * half - 1);
 	memcpy(&value, &bits, sizeof value);
 	return value;
 }
 
-void bake_columns_round(scan *cloud)
+/* No unit normal becomes zero. What is no number stays none. */
+static float round_normal(float value, int unused)
+{
+	(void)unused;
+	return (float)(rint((double)value / BAKE_COLUMNS_NORMAL_STEP) * BAKE_COLUMNS_NORMAL_STEP);
+}
+
+static bool is_normal(const char *name)
+{
+	static const column_group own = { .name = "scalar_normal", .channel = "xyz" };
+	bool given = name[0] == 'n' && name[1] && strchr("xyz", name[1]) && !name[2];
+	return given || is_of(&own, name);
+}
+
+static void round_columns(scan *cloud, bool (*which)(const char *name),
+						  float (*round)(float value, int kept), int kept)
 {
 	for (size_t c = 0; c < cloud->column_count; c++) {
 		const scan_column *column = &cloud->column[c];
-		if (column->type != SCAN_FLOAT32 || !is_light(column->name))
+		if (column->type != SCAN_FLOAT32 || !which(column->name))
 			continue;
 		float *value = column->data;
 		for (size_t i = 0; i < cloud->count; i++)
-			value[i] = round_to_half(value[i]);
+			value[i] = round(value[i], kept);
 	}
+}
+
+/* The decimal number that somebody wrote, which a float is only near to. */
+static double decimal_of(float value)
+{
+	double scale = pow(10.0, 6.0 - ceil(log10((double)value)));
+	return rint((double)value * scale) / scale;
+}
+
+void bake_columns_round(scan *cloud, const settings *s)
+{
+	static const int kept[SETTINGS_LAS_COUNT] = {
+		[SETTINGS_LAS_HALF] = 11,
+		[SETTINGS_LAS_BFLOAT16] = 8,
+	};
+	if (kept[s->las_radiance])
+		round_columns(cloud, is_light, round_to_bits, kept[s->las_radiance]);
+	if (s->las_step <= 0.0f)
+		return;
+	round_columns(cloud, is_normal, round_normal, 0);
+	cloud->step = decimal_of(s->las_step);
 }
 
 bool bake_columns_photometric(const scan *cloud)

@@ -454,8 +454,8 @@ gw_status lit_scan_make(loaded_scene *scene, const gw_bake_result *result, const
 		status = drop_points(lit, result, s->strays == SETTINGS_STRAYS_DROP, error);
 	if (status != GW_OK)
 		scan_clear(lit);
-	else if (s->las_radiance == SETTINGS_LAS_HALF)
-		bake_columns_round(lit);
+	else
+		bake_columns_round(lit, s);
 	return status;
 }
 

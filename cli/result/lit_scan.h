@@ -4,7 +4,7 @@
  *
  * x y z, nx ny nz, red green blue (the preview), albedo_r albedo_g albedo_b, the input's others,
  * quality (luminance), scalar_radiance_*, then those on request. Columns of an earlier bake are
- * replaced. The header says how it was made. With --las-radiance half light is rounded.
+ * replaced. The header says how it was made. With --las-radiance and --las-step values are rounded.
  */
 #ifndef LIT_SCAN_H
 #define LIT_SCAN_H

@@ -133,7 +133,7 @@ static gw_status check(bake *b)
 		GW_TRY(file_roles_check(VERB_BAKE, s, NULL, b->error));
 	if (s->output) {
 		GW_TRY(output_name_format(s->output, s->output_format, &b->format, b->error));
-		GW_TRY(output_name_check_light(b->format, s->las_radiance, s->output, b->error));
+		GW_TRY(output_name_check_rounding(b->format, s, s->output, b->error));
 	}
 	return output_shift_read(s->shift, b->format, &s->shifting, b->error);
 }

@@ -33,7 +33,7 @@ static gw_status check(const settings *s, const format **to, output_shift *shift
 	GW_TRY(file_roles_check(VERB_CONVERT, s, NULL, error));
 	GW_TRY(output_name_format(out, s->output_format, to, error));
 	GW_TRY(output_shift_read(s->shift, *to, shift, error));
-	GW_TRY(output_name_check_light(*to, s->las_radiance, out, error));
+	GW_TRY(output_name_check_rounding(*to, s, out, error));
 	bool binary = strcmp((*to)->name, "xyz") != 0 && strcmp((*to)->name, "csv") != 0;
 	if (binary && strcmp(out, "-") == 0 && isatty(STDOUT_FILENO))
 		return gw_fail(error, GW_ERROR_USAGE,
@@ -133,8 +133,7 @@ static gw_status convert(const settings *s, scan *cloud, output_file **out, gw_e
 	GW_TRY(keep_up(cloud, error));
 	output_shift_settle_by(&shift, cloud, s->quiet);
 	GW_TRY(output_shift_apply(&shift, cloud, error));
-	if (s->las_radiance == SETTINGS_LAS_HALF)
-		bake_columns_round(cloud);
+	bake_columns_round(cloud, s);
 	GW_TRY(output_system_settle(to, cloud, s->quiet, error));
 	GW_TRY(to->write(*out, cloud, error));
 	GW_TRY(signals_check(error));

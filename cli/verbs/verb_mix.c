@@ -67,7 +67,7 @@ static gw_status check(mixing *m)
 									  m->error));
 	GW_TRY(file_roles_check(VERB_MIX, s, NULL, m->error));
 	GW_TRY(output_name_format(s->output, s->output_format, &m->format, m->error));
-	GW_TRY(output_name_check_light(m->format, s->las_radiance, s->output, m->error));
+	GW_TRY(output_name_check_rounding(m->format, s, s->output, m->error));
 	return output_shift_read(s->shift, m->format, &m->shift, m->error);
 }
 
@@ -177,8 +177,7 @@ static gw_status finish_part(const mixing *m, mixed_part *part)
 	GW_TRY(add_command(m, &part->cloud));
 	if (wants_preview(m, &part->cloud))
 		GW_TRY(make_preview(m, part));
-	if (m->settings->las_radiance == SETTINGS_LAS_HALF)
-		bake_columns_round(&part->cloud);
+	bake_columns_round(&part->cloud, m->settings);
 	return output_shift_apply(&m->shift, &part->cloud, m->error);
 }
 

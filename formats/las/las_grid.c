@@ -162,13 +162,29 @@ gw_status las_grid_search_go_on(las_grid_search *s, const char *name, bool *agai
 	return GW_OK;
 }
 
-gw_status las_grid_search_take(const las_grid_search *s, int axis, const char *name, las_grid *grid,
-							   gw_error *error)
+/* A grid of a step about zero, or about the middle, that reaches from end to end. */
+static bool find_coarse(double minimum, double maximum, double middle, las_grid *grid)
+{
+	const double offset[2] = { 0.0, middle };
+	for (int k = 0; k < 2; k++) {
+		grid->offset = offset[k];
+		if (holds(grid, minimum) && holds(grid, maximum))
+			return true;
+	}
+	return false;
+}
+
+gw_status las_grid_search_take(const las_grid_search *s, double step, int axis, const char *name,
+							   las_grid *grid, gw_error *error)
 {
 	double minimum = s->points > 0 ? s->minimum : 0.0, maximum = s->points > 0 ? s->maximum : 0.0;
 	const las_grid *exact = find_exact(s);
-	*grid = exact ? *exact : (las_grid){ .exact = false };
-	if (!exact && !find_finest(minimum, maximum, middle_of(s), grid))
+	bool fine = step > 0.0 && (!exact || fabs(exact->scale) < step);
+	*grid = (las_grid){ .scale = step };
+	bool found = fine && find_coarse(minimum, maximum, middle_of(s), grid);
+	if (!found)
+		*grid = exact ? *exact : (las_grid){ .exact = false };
+	if (!found && !exact && !find_finest(minimum, maximum, middle_of(s), grid))
 		return gw_fail(
 			error, GW_ERROR_DATA,
 			"%s: %s goes from %g to %g, and the 32-bit numbers of LAS would round that to "
@@ -202,7 +218,7 @@ gw_status las_grid_find(const scan *cloud, int axis, const char *name, las_grid 
 	las_grid_search search = { 0 };
 	gw_status status = las_grid_search_alone(&search, cloud, axis, name, error);
 	if (status == GW_OK)
-		status = las_grid_search_take(&search, axis, name, grid, error);
+		status = las_grid_search_take(&search, cloud->step, axis, name, grid, error);
 	las_grid_search_clear(&search);
 	return status;
 }

@@ -17,7 +17,8 @@ typedef struct las_grid {
 
 /*
  * Finds a grid for a coordinate: the one that the scan's comments name when it is exact; else the
- * coarsest decimal one that is; else the finest that 32 bits reach.
+ * coarsest decimal one that is; else the finest that 32 bits reach. Of a scan whose `step` says how
+ * coarse it may be, such a grid takes the place of finer ones.
  *   axis    0, 1 or 2: x, y or z
  *   name    of the file, for messages
  *   error   GW_ERROR_DATA when there is no such coordinate, when a value is no number or when the
@@ -47,9 +48,11 @@ gw_status las_grid_search_go_on(las_grid_search *search, const char *name, bool 
 gw_status las_grid_search_alone(las_grid_search *search, const scan *cloud, int axis,
 								const char *name, gw_error *error);
 
-/* The grid, when all is known. Fails like las_grid_find. */
-gw_status las_grid_search_take(const las_grid_search *search, int axis, const char *name,
-							   las_grid *grid, gw_error *error);
+/* The grid, when all is known. Fails like las_grid_find.
+ *   step   as scan.step
+ *   axis   of the grid; for messages */
+gw_status las_grid_search_take(const las_grid_search *search, double step, int axis,
+							   const char *name, las_grid *grid, gw_error *error);
 void las_grid_search_clear(las_grid_search *search);
 
 /* The integer that stands for a coordinate. */

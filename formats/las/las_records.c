@@ -244,7 +244,7 @@ gw_status las_records_of_part(las_records *w, const las_survey *survey, const sc
 	*w = (las_records){ .name = survey->name, .cloud = part, .count = part->count };
 	choose_format(w, survey, newer);
 	for (int k = 0; k < 3; k++)
-		GW_TRY(las_grid_search_take(&survey->axis[k], k, w->name, &w->grid[k], error));
+		GW_TRY(las_grid_search_take(&survey->axis[k], part->step, k, w->name, &w->grid[k], error));
 	GW_TRY(assign_columns(w, survey, error));
 	count_returns(w, survey);
 	return GW_OK;

@@ -35,7 +35,7 @@ gw_status las_whole_go_on(format_whole *whole, bool *again, gw_error *error)
 	GW_TRY(check_count(whole, error));
 	GW_TRY(las_survey_go_on(survey, again, error));
 	for (int k = 0; k < 3 && !*again; k++)
-		GW_TRY(las_grid_search_take(&survey->axis[k], k, whole->name, &grid, error));
+		GW_TRY(las_grid_search_take(&survey->axis[k], 0.0, k, whole->name, &grid, error));
 	return GW_OK;
 }
 

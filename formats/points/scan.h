@@ -57,9 +57,11 @@ typedef struct scan {
 	size_t column_count;
 	char **comment; /* owned; comment_count lines of text without the format's keyword */
 	size_t comment_count;
-	uint64_t left_out;      /* rows without a point: empty cells of a scanner's grid */
-	char up;                /* which axis the format calls up, as gw_camera_up has it */
-	bool says_up;           /* the file itself has a line about that (SCAN_UP) */
+	uint64_t left_out; /* rows without a point: empty cells of a scanner's grid */
+	char up;           /* which axis the format calls up, as gw_camera_up has it */
+	bool says_up;      /* the file itself has a line about that (SCAN_UP) */
+	double step;       /* formats that keep coordinates on a grid may take one as coarse as this;
+						  0: one that gives them back, where they can */
 	unsigned noise_classes; /* bits: values of `classification` that mean noise; and points that are
 							   `withheld` are not to be used where any bit is set */
 	double *scanner;        /* owned; 3 * scanner_count: where scanners stood, in the cloud's

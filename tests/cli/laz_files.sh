@@ -41,17 +41,52 @@ glowworm bake a.ply -q --light "$lamp" -o lit.copc.laz
 head -c 381 lit.copc.laz | tail -c 4
 echo
 # Light rounded to 11 bits: each value off by up to 2^-11 of itself, all other columns not at all.
-glowworm bake a.ply -q --light "$lamp" --fields lights --las-radiance half -o half.laz
-glowworm convert lit.laz lit.csv && glowworm convert half.laz half.csv
-paste -d , lit.csv half.csv | awk -F , '
+# And to 8 bits, with coordinates on a coarser grid: off by half a step at most, beside the 1e-8 m
+# to which the exact file has them, and normals by half of 1/2048, beside the seven digits of a
+# table. Arguments: part of light, of a normal, of a coordinate, two tables. Says what is off, and
+# what by too much.
+off_by() {
+	paste -d , "$4" "$5" | awk -F , -v light="$1" -v normal="$2" -v place="$3" '
 	NR == 1 { for (i = 1; i <= NF / 2; i++) name[i] = $i; next }
 	{ for (i = 1; i <= NF / 2; i++) { off = $i - $(i + NF / 2); size = $i < 0 ? -$i : $i
 		off = off < 0 ? -off : off
-		if (off > 0) changed[name[i]] = 1
-		if (off > size / 2048) print name[i] ": " $i " became " $(i + NF / 2) } }
+		if (off == 0) continue
+		changed[name[i]] = 1
+		most = name[i] ~ /^[xyz]$/ ? place : name[i] ~ /^n[xyz]$/ ? normal : light * size
+		if (off > most) print name[i] ": " $i " became " $(i + NF / 2) } }
 	END { for (n in changed) print n }' | sort
+}
+glowworm bake a.ply -q --light "$lamp" --fields lights --las-radiance half -o half.laz
+glowworm convert lit.laz lit.csv && glowworm convert half.laz half.csv
+off_by 0.00048828125 0 0 lit.csv half.csv
+make_cave --points 4000 -o small.ply
+bake_small() {
+	glowworm bake small.ply -q --light 'point name lamp at 3.4,0,1.9 intensity 40' \
+		--fields lights "$@"
+}
+bake_small -o exact.laz
+bake_small --las-radiance bfloat16 --las-step 0.0001 -o small.laz
+glowworm convert exact.laz exact.csv && glowworm convert small.laz small.csv
+off_by 0.00390625 0.00024419 0.00005001 exact.csv small.csv
+bake_small --las-radiance bfloat16 --las-step 0.0001 -o small.copc.laz
+glowworm convert small.copc.laz copc.csv && sort copc.csv >copc.sorted
+sort small.csv | cmp - copc.sorted
+glowworm convert exact.laz --las-radiance bfloat16 --las-step 0.0001 again.laz -f
+glowworm convert again.laz again.csv && cmp small.csv again.csv
+[ $(($(wc -c <small.laz) * 3)) -lt $(($(wc -c <exact.laz) * 2)) ] || echo 'not by a third smaller'
+# Rounded lamps add up to the rounded radiance, but for that rounding; and points match by order.
+for file in half.laz small.laz small.copc.laz; do
+	glowworm mix $file -q -f --gain lamp=2 -o mixed.ply || echo "status $?: $file"
+done
+glowworm compare small.laz exact.laz | sed -n 1p
+# A grid that is coarser already stays, and is exact.
+glowworm convert a.las --las-step 0.0001 -o kept.las && cmp a.las kept.las
+glowworm convert a.las --las-step 0.002 -o coarse.las
+echo "status $?"
 glowworm convert lit.laz --las-radiance half -o other.laz
 glowworm convert other.laz other.csv && cmp half.csv other.csv
 [ $(wc -c <half.laz) -lt $(wc -c <lit.laz) ] || echo 'not smaller'
 glowworm convert lit.laz --las-radiance half -o half.ply
+echo "status $?"
+glowworm convert lit.laz --las-step 0.0001 -o half.ply
 echo "status $?"

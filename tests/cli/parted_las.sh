@@ -33,5 +33,13 @@ bake cave.laz -q -o - --output-format laz | glowworm info - | grep -c 90000
 # As half floats, which is known of each part.
 bake cave.laz -q --las-radiance half -o half.laz
 [ "$(stat -c %s half.laz)" -lt "$(stat -c %s lit.laz)" ] && echo "half: less"
+# Rounded in all ways: the grid is known of each part, too.
+small() { "$@" --las-radiance bfloat16 --las-step 0.0001; }
+small bake cave.laz -q -o small.laz
+small glowworm convert lit.ply -o whole-small.laz
+cmp small.laz whole-small.laz && echo "rounded: the same"
+small bake_all small.ply -q -j 1 --tiles 3 --rays 16 -o tiled-small.laz
+small glowworm convert tiled.ply -o whole-tiled-small.laz
+cmp tiled-small.laz whole-tiled-small.laz && echo "rounded tiles: the same"
 ls ./*.part ./*.resume ./*.tiles* 2>/dev/null
 true

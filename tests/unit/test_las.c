@@ -227,6 +227,44 @@ static void rounded_grids(void **state)
 	scan_clear(&cloud);
 }
 
+/* A scan that may be rounded lies on a grid as coarse as it says, wherever that reaches, and no
+ * grid is coarser than needs be; the file says so. */
+static void grids_of_a_step(void **state)
+{
+	(void)state;
+	static const double offset[3] = { 0.0, 4e6 + 1.0, 0.0 }, scale[3] = { 1e-4, 1e-4, 1e-3 };
+	scan cloud = make_cloud(50, SCAN_FLOAT64);
+	cloud.step = 1e-4;
+	for (size_t i = 0; i < 50; i++) {
+		set(&cloud, "x", i, 100.0 * cbrt((double)i));
+		set(&cloud, "y", i, 4e6 + cbrt((double)i));
+		set(&cloud, "z", i, 0.001 * (double)i);
+	}
+	for (int k = 0; k < 3; k++) {
+		las_grid grid;
+		assert_int_equal(las_grid_find(&cloud, k, "a.las", &grid, NULL), GW_OK);
+		assert_true(grid.exact == (k == 2));
+		assert_true(grid.scale == scale[k]);
+		assert_true(grid.offset == offset[k]);
+	}
+	scan back = write_and_read(&cloud);
+	assert_true(has_comment(&back, "glowworm rounded x to steps of 0.0001"));
+	/* Half a step; and the double itself, near 4e6, by 2^-31 at each of two roundings. */
+	for (size_t i = 0; i < 50; i++) {
+		assert_true(fabs(value(&back, "x", i) - value(&cloud, "x", i)) <= 0.5e-4 + 1e-12);
+		assert_true(fabs(value(&back, "y", i) - value(&cloud, "y", i)) <= 0.5e-4 + 0x1p-30);
+		assert_true(value(&back, "z", i) == value(&cloud, "z", i));
+	}
+	scan_clear(&back);
+	/* The step does not reach from end to end, and a finer one does not either. */
+	las_grid grid;
+	cloud.step = 1e-7;
+	set(&cloud, "x", 0, 1e4);
+	assert_int_equal(las_grid_find(&cloud, 0, "a.las", &grid, NULL), GW_OK);
+	assert_true(grid.scale == 1e-5);
+	scan_clear(&cloud);
+}
+
 static void coordinates_that_are_refused(void **state)
 {
 	(void)state;
@@ -575,6 +613,7 @@ int main(void)
 		cmocka_unit_test(header_says_what_is),
 		cmocka_unit_test(decimal_grids),
 		cmocka_unit_test(rounded_grids),
+		cmocka_unit_test(grids_of_a_step),
 		cmocka_unit_test(coordinates_that_are_refused),
 		cmocka_unit_test(lit_points),
 		cmocka_unit_test(columns_that_are_too_many),
