@@ -1,26 +1,37 @@
 #include "comparison/matched_scans.h"
 #include "glowworm_picture.h"
+#include "las/las_notes.h"
 #include "points/scan_color.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* Interleaves columns as doubles; NULL when memory is short. */
-static double *make_keys(const scan *cloud, const scan_column *const *column, size_t width)
+/* On what grid LAS keeps coordinates. */
+typedef struct grid {
+	double scale[3], offset[3];
+} grid;
+
+/* Interleaves columns as doubles, or as numbers of the grid's places; NULL when memory is short. */
+static double *make_keys(const scan *cloud, const scan_column *const *column, size_t width,
+						 const grid *on)
 {
 	double *key = reallocarray(NULL, cloud->count ? cloud->count : 1, width * sizeof *key);
 	for (size_t i = 0; key && i < cloud->count; i++)
-		for (size_t k = 0; k < width; k++)
-			key[width * i + k] = scan_value(column[k], i);
+		for (size_t k = 0; k < width; k++) {
+			double value = scan_value(column[k], i);
+			key[width * i + k] = on ? rint((value - on->offset[k]) / on->scale[k]) : value;
+		}
 	return key;
 }
 
+/* on: of three columns, or NULL */
 static gw_status match_columns(const matched_scans *m, const scan_column *const *found,
-							   const scan_column *const *truth, size_t width, gw_error *error)
+							   const scan_column *const *truth, size_t width, const grid *on,
+							   gw_error *error)
 {
 	size_t missing;
-	double *key = make_keys(m->truth, truth, width);
-	double *among = make_keys(m->found, found, width);
+	double *key = make_keys(m->truth, truth, width, on);
+	double *among = make_keys(m->found, found, width, on);
 	gw_status status = GW_OK;
 	if (key && among)
 		status = gw_compare_match((gw_compare_keys){ key, m->truth->count },
@@ -145,6 +156,16 @@ static void match_by_order(matched_scans *m, const scan_column *const found[3],
 	m->by = same ? MATCHED_BY_ORDER : m->by;
 }
 
+/* The grid of a scan that was LAS. */
+static bool find_grid(const scan *cloud, grid *on)
+{
+	for (size_t c = 0; c + 1 < cloud->comment_count; c++)
+		if (las_note_read(cloud->comment[c], "scale", on->scale, 3) == 3 &&
+			las_note_read(cloud->comment[c + 1], "offset", on->offset, 3) == 3)
+			return on->scale[0] != 0.0 && on->scale[1] != 0.0 && on->scale[2] != 0.0;
+	return false;
+}
+
 /* Whether a point that is somewhere has no partner. */
 static bool lacks_partners(const matched_scans *m, const scan_column *const position[3])
 {
@@ -199,10 +220,15 @@ static gw_status find_partners(matched_scans *m, const scan_column *const found[
 	const scan_column *its = scan_find_scalar(m->truth, "index");
 	m->by = mine && its ? MATCHED_BY_INDEX : MATCHED_BY_POSITION;
 	if (m->by == MATCHED_BY_INDEX)
-		return match_columns(m, &mine, &its, 1, error);
-	GW_TRY(match_columns(m, found, truth, 3, error));
+		return match_columns(m, &mine, &its, 1, NULL, error);
+	GW_TRY(match_columns(m, found, truth, 3, NULL, error));
 	if (lacks_partners(m, truth))
 		match_by_order(m, found, truth);
+	/* COPC has an order of its own. */
+	grid on;
+	bool rounded = m->by == MATCHED_BY_POSITION && lacks_partners(m, truth);
+	if (rounded && (find_grid(m->found, &on) || find_grid(m->truth, &on)))
+		GW_TRY(match_columns(m, found, truth, 3, &on, error));
 	return GW_OK;
 }
 

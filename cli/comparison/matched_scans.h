@@ -8,7 +8,8 @@
 
 typedef enum matched_by {
 	MATCHED_BY_INDEX,    /* both have a column `index` with the same numbers */
-	MATCHED_BY_POSITION, /* the same coordinates to the last digit, in any order */
+	MATCHED_BY_POSITION, /* the same coordinates in any order: to the last digit, or on the grid of
+							the one that was LAS */
 	MATCHED_BY_ORDER,    /* as many points, each at the place of its like but for the rounding of
 							a format: a millimetre at most, and a 100,000th of their extent */
 } matched_by;

@@ -79,6 +79,10 @@ for file in half.laz small.laz small.copc.laz; do
 	glowworm mix $file -q -f --gain lamp=2 -o mixed.ply || echo "status $?: $file"
 done
 glowworm compare small.laz exact.laz | sed -n 1p
+# In COPC's order by the grid on which the other's coordinates lie there.
+bake_small -o small-lit.ply
+glowworm compare small.copc.laz small-lit.ply | sed -n 1p
+glowworm compare small-lit.ply small.copc.laz | sed -n 1p
 # A grid that is coarser already stays, and is exact.
 glowworm convert a.las --las-step 0.0001 -o kept.las && cmp a.las kept.las
 glowworm convert a.las --las-step 0.002 -o coarse.las
