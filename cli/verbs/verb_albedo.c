@@ -1,6 +1,7 @@
 #include "verbs/verbs.h"
 #include "files/output_file.h"
 #include "options/output_name.h"
+#include "options/output_scanners.h"
 #include "options/output_system.h"
 #include "options/quality_preset.h"
 #include "points/scan_color.h"
@@ -204,6 +205,7 @@ static gw_status run(settings *s, loaded_scene *scene, output_file **output, gw_
 	GW_TRY(read_scan(s, scene, error));
 	GW_TRY(find_albedo(s, scene, error));
 	GW_TRY(store_albedo(s, scene, error));
+	GW_TRY(output_scanners_settle(to, &scene->cloud, s->quiet, error));
 	output_shift_settle_by(&s->shifting, &scene->cloud, s->quiet);
 	GW_TRY(output_shift_apply(&s->shifting, &scene->cloud, error));
 	GW_TRY(output_system_settle(to, &scene->cloud, s->quiet, error));

@@ -12,6 +12,7 @@
 #include "scene/mesh_notes.h"
 #include "scene/region_text.h"
 #include "options/output_name.h"
+#include "options/output_scanners.h"
 #include "options/output_system.h"
 #include "options/progress.h"
 #include "options/quality_preset.h"
@@ -608,6 +609,13 @@ static gw_status write_grids(bake *b)
 	return status;
 }
 
+/* Comments hold so many scanners, and are made with the points. */
+static void note_scanners(const bake *b)
+{
+	if (b->format)
+		output_scanners_note(b->format, &b->scene.cloud, b->settings->quiet);
+}
+
 static gw_status write_points(bake *b)
 {
 	if (b->settings->tiles > 0)
@@ -655,6 +663,7 @@ static gw_status write_results(bake *b)
 {
 	double start = now();
 	gw_status grids = GW_OK;
+	note_scanners(b);
 	progress_show(&b->progress, "write", 1.0);
 	gw_status status = write_outputs(b, &grids);
 	b->facts.bake_seconds += b->tiled.seconds;
@@ -667,6 +676,7 @@ static gw_status write_results(bake *b)
 
 static gw_status light_frames(bake *b)
 {
+	note_scanners(b);
 	const frame_outputs to = { b->format, b->report, &b->progress };
 	gw_status status = frame_bake_all(&b->facts, b->settings, &b->scene, &to, b->error);
 	if (status == GW_OK && b->report)

@@ -2,6 +2,7 @@
 #include "scene/file_roles.h"
 #include "files/output_file.h"
 #include "options/output_name.h"
+#include "options/output_scanners.h"
 #include "options/output_system.h"
 #include "result/bake_columns.h"
 #include "program/signals.h"
@@ -62,31 +63,7 @@ static void drop_notes(scan *cloud)
 	cloud->comment_count = kept;
 }
 
-/* What LAS has of an airborne scan tells readers of any LAS file again where scanners were. */
-static bool is_las_again(const format *to, const scan *cloud)
-{
-	bool las = strcmp(to->name, "las") == 0 || strcmp(to->name, "laz") == 0 ||
-			   strcmp(to->name, "copc") == 0;
-	for (size_t c = 0; c < cloud->comment_count && las; c++)
-		if (strncmp(cloud->comment[c], "las scale ", strlen("las scale ")) == 0)
-			return true;
-	return false;
-}
-
-/* Comments say where scanners stood; E57 has a place for it. */
-static gw_status keep_scanners(const settings *s, const format *to, scan *cloud, gw_error *error)
-{
-	if (strcmp(to->name, "e57") == 0 || is_las_again(to, cloud))
-		return GW_OK;
-	if (cloud->scanner_count > SCAN_SCANNERS_SAID && !s->quiet)
-		fprintf(stderr,
-				"glowworm: note: where the input's %zu scanners stood is lost: comments tell %d at "
-				"most; write E57 to keep it\n",
-				cloud->scanner_count, SCAN_SCANNERS_SAID);
-	return scan_say_scanners(cloud, cloud, error);
-}
-
-/* And which axis points up, where it is not z, which is what readers take. */
+/* A comment says which axis points up, where it is not z, which is what readers take. */
 static gw_status keep_up(scan *cloud, gw_error *error)
 {
 	char text[64];
@@ -129,7 +106,7 @@ static gw_status convert(const settings *s, scan *cloud, output_file **out, gw_e
 	note_reading(s, cloud);
 	drop_notes(cloud);
 	note_holes(s, to, cloud);
-	GW_TRY(keep_scanners(s, to, cloud, error));
+	GW_TRY(output_scanners_settle(to, cloud, s->quiet, error));
 	GW_TRY(keep_up(cloud, error));
 	output_shift_settle_by(&shift, cloud, s->quiet);
 	GW_TRY(output_shift_apply(&shift, cloud, error));

@@ -9,6 +9,7 @@
 #include "files/number_text.h"
 #include "files/output_file.h"
 #include "options/output_name.h"
+#include "options/output_scanners.h"
 #include "options/output_system.h"
 #include "points/scan_shift.h"
 #include "options/preview.h"
@@ -367,6 +368,8 @@ static gw_status mix_whole(mixing *m)
 	if (status == GW_OK)
 		m->exposure = meters(m, &all.cloud) ? preview_exposure(all.radiance, NULL, all.cloud.count)
 											: (double)s->exposure;
+	if (status == GW_OK)
+		status = output_scanners_settle(m->format, &all.cloud, s->quiet, m->error);
 	if (status == GW_OK) {
 		output_shift_settle_by(&m->shift, &all.cloud, s->quiet);
 		status = finish_part(m, &all);

@@ -95,7 +95,7 @@ for i in $(seq 65); do
 	awk -v K=0.5 -v A=-0.01 -v B=0.01 -v S="0.${i}5 0 1" -f ptx.awk lit.csv
 done >way.ptx
 glowworm albedo way.ptx --rays 32 --light "$lamp" --capture-scale 0.5 -f -o albedo.csv 2>&1 |
-	grep -o '65 scanners'
+	grep -v lost | grep -o '65 scanners'
 shoot 'sky radiance 1' 0.8
 delight photo.csv --capture overcast --capture-scale 0.8
 shoot 'point at 0.3,0.2,0.9 intensity 1' 0.5
