@@ -36,7 +36,8 @@ gw_status las_settle_rows(input_file *in, const bool *zero, scan *kept, gw_error
  * Columns called like fields go to those fields when they hold every value exactly, all others to
  * extra bytes. Colours become 16 bits. Coordinates lie on the grid that the scan's comments name
  * when that gives them back bit for bit; else on the coarsest decimal grid that does; else on the
- * finest that 32 bits reach. A step over a millimetre is refused, as are coordinates that are no
+ * finest that 32 bits reach. Where columns of formats 0 to 5 go to a newer one, class 12, overlap,
+ * becomes the flag and class 0. A step over a millimetre is refused, as are coordinates that are no
  * numbers and more columns than a record holds.
  */
 gw_status las_write(output_file *out, const scan *cloud, gw_error *error);

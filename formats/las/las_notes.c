@@ -105,12 +105,23 @@ gw_status las_note_join(const scan *cloud, const char *key, char **text, gw_erro
 	return GW_OK;
 }
 
-unsigned las_note_noise(const scan *cloud)
+static bool is_from_las(const scan *cloud)
 {
 	bool from_las = false;
 	for (size_t c = 0; c < cloud->comment_count && !from_las; c++)
 		from_las = las_note_find(cloud->comment[c], "scale") != NULL;
-	/* Only new formats have angles as such. */
-	bool new_format = scan_find(cloud, "scan_angle") != NULL;
-	return !from_las ? 0 : new_format ? LAS_LOW_NOISE | LAS_HIGH_NOISE : LAS_LOW_NOISE;
+	return from_las;
+}
+
+bool las_note_legacy(const scan *cloud)
+{
+	/* Only new formats have angles as such, and the flag. */
+	return is_from_las(cloud) && scan_find(cloud, "scan_angle_rank") &&
+		   !scan_find(cloud, "scan_angle") && !scan_find(cloud, "overlap");
+}
+
+unsigned las_note_noise(const scan *cloud)
+{
+	bool newer = scan_find(cloud, "scan_angle") && !scan_find(cloud, "scan_angle_rank");
+	return !is_from_las(cloud) ? 0 : newer ? LAS_LOW_NOISE | LAS_HIGH_NOISE : LAS_LOW_NOISE;
 }

@@ -19,7 +19,12 @@
 
 /* As bits the classes of low and of high noise; the latter is for other use in old formats. */
 #define LAS_LOW_NOISE (1u << 7)
-#define LAS_HIGH_NOISE (1u << 18)
+#define LAS_HIGH_NOISE (1u << LAS_CLASS_HIGH_NOISE)
+
+/* Of the latter, and of points where flight lines overlap in old formats; new ones have a flag for
+ * these, and no such class. */
+#define LAS_CLASS_HIGH_NOISE 18
+#define LAS_CLASS_OVERLAP 12
 
 #define LAS_USER_SPEC "LASF_Spec"
 #define LAS_USER_CRS "LASF_Projection"
@@ -62,6 +67,9 @@ size_t las_note_read(const char *comment, const char *key, double *value, size_t
 /* Puts the parts of the first text with that key together again. *text is the caller's, for
  * free(), and NULL when there is none. */
 gw_status las_note_join(const scan *cloud, const char *key, char **text, gw_error *error);
+
+/* Whether a scan has the columns of formats 0 to 5 of LAS, from which it came. */
+bool las_note_legacy(const scan *cloud);
 
 /* The noise_classes of a scan that came from LAS by way of another format; 0 of any other. */
 unsigned las_note_noise(const scan *cloud);

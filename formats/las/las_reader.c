@@ -317,6 +317,15 @@ static gw_status read_head(reader *r, scan *notes)
 	return las_layout_add_extra(&r->layout, &r->header, notes, r->error);
 }
 
+/* Points that an old format had keep their angle in degrees, and the meaning of their classes. */
+static bool has_high_noise(const reader *r)
+{
+	bool high = r->header.format >= FIRST_HIGH_NOISE;
+	for (size_t f = 0; f < r->layout.count && high; f++)
+		high = strcmp(r->layout.field[f].name, "scan_angle_rank") != 0;
+	return high;
+}
+
 /* Those of the rows that are there, as they stand. */
 static gw_status read_points(reader *r, const format_rows *rows)
 {
@@ -324,8 +333,7 @@ static gw_status read_points(reader *r, const format_rows *rows)
 	uint64_t count = r->header.count, first = rows->first < count ? rows->first : count;
 	r->rows = (format_rows){ first, rows->count < count - first ? rows->count : count - first };
 	r->cloud->count = (size_t)r->rows.count;
-	r->cloud->noise_classes =
-		r->header.format < FIRST_HIGH_NOISE ? LAS_LOW_NOISE : LAS_LOW_NOISE | LAS_HIGH_NOISE;
+	r->cloud->noise_classes = has_high_noise(r) ? LAS_LOW_NOISE | LAS_HIGH_NOISE : LAS_LOW_NOISE;
 	return r->header.compressed ? read_compressed(r) : read_plain(r);
 }
 

@@ -1,10 +1,14 @@
 #include "las/las_records.h"
+#include "las/las_notes.h"
 #include "files/little_endian.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* Bytes of a record of formats 6 to 10. */
+enum { LAS_NEW_FLAGS = 15, LAS_NEW_CLASS = 16 };
 
 /* ------------------------------------------------------------------- which column goes where */
 
@@ -55,6 +59,7 @@ static void choose_format(las_records *w, const las_survey *survey, bool newer)
 	w->format = (time ? 1u : 0u) + (w->colored ? 2u : 0u);
 	if (newer || !fits_old(w, survey))
 		w->format = scan_find(w->cloud, "nir") ? 8 : w->colored ? 7 : 6;
+	w->legacy = w->format >= 6 && las_note_legacy(w->cloud);
 }
 
 static bool is_written(const las_records *w, const char *name)
@@ -105,6 +110,17 @@ static const scan_column *find_rank(const scan *cloud)
 {
 	const scan_column *rank = scan_find(cloud, "scan_angle_rank");
 	return rank && rank->type == SCAN_INT8 ? rank : NULL;
+}
+
+/* Points of a class that new formats have a flag for in its place. */
+static void flag_overlap(const las_records *w, size_t count, uint8_t *bytes)
+{
+	size_t stride = w->layout.bytes;
+	for (uint8_t *at = bytes; count > 0; count--, at += stride)
+		if (at[LAS_NEW_CLASS] == LAS_CLASS_OVERLAP) {
+			at[LAS_NEW_CLASS] = 0;
+			at[LAS_NEW_FLAGS] |= 1u << 3;
+		}
 }
 
 static gw_status assign_columns(las_records *w, const las_survey *survey, gw_error *error)
@@ -220,6 +236,8 @@ void las_records_put(const las_records *w, size_t first, size_t count, uint8_t *
 		else
 			copy_field(w, f, first, count, bytes + field->place);
 	}
+	if (w->legacy)
+		flag_overlap(w, count, bytes);
 }
 
 /* ----------------------------------------------------------------------------- the whole */

@@ -5,6 +5,7 @@
 #include "las/copc_tree.h"
 #include "las/las_format.h"
 #include "las/las_header.h"
+#include "las/las_notes.h"
 #include "laz_clouds.h"
 #include "files/little_endian.h"
 #include "table/format_table.h"
@@ -343,6 +344,35 @@ static void any_number_of_threads(void **state)
 	scan_clear(&cloud);
 }
 
+static double no_class(size_t i)
+{
+	return (double)(i % 32);
+}
+
+/* Class 18 is noise in new formats, and in those that came from an old one as little as there. */
+static void noise_of_old_formats(void **state)
+{
+	(void)state;
+	const unsigned low = LAS_LOW_NOISE, both = LAS_LOW_NOISE | LAS_HIGH_NOISE;
+	scan cloud = make_cloud(64, false);
+	add_values(&cloud, "classification", SCAN_UINT8, no_class);
+	write_cloud(&las_format, las_path, &cloud);
+	scan read = read_cloud(las_path);
+	assert_int_equal(read.noise_classes, both);
+	scan_clear(&read);
+	add_rank(&cloud);
+	write_cloud(&las_format, las_path, &cloud);
+	read = read_cloud(las_path);
+	assert_int_equal(read.noise_classes, low);
+	write_cloud(&copc_format, copc_path, &read);
+	scan_clear(&read);
+	read = read_cloud(copc_path);
+	assert_int_equal(read.noise_classes, low);
+	assert_non_null(scan_find(&read, "overlap"));
+	scan_clear(&read);
+	scan_clear(&cloud);
+}
+
 static void names_and_contents(void **state)
 {
 	(void)state;
@@ -372,6 +402,7 @@ int main(void)
 		cmocka_unit_test(every_format_and_type), cmocka_unit_test(root_is_thinned),
 		cmocka_unit_test(neighbours_follow),     cmocka_unit_test(brightness_changes_little),
 		cmocka_unit_test(any_number_of_threads), cmocka_unit_test(names_and_contents),
+		cmocka_unit_test(noise_of_old_formats),
 	};
 	return cmocka_run_group_tests(tests, make_paths, remove_paths);
 }
