@@ -4,9 +4,11 @@
 #include "options/output_name.h"
 #include "options/output_scanners.h"
 #include "options/output_system.h"
+#include "pcd/pcd_format.h"
 #include "result/bake_columns.h"
 #include "program/signals.h"
 #include "program/text_quote.h"
+#include "glowworm_host.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -93,6 +95,24 @@ static void note_holes(const settings *s, const format *to, const scan *cloud)
 				holes, cloud->count);
 }
 
+/* PCD keeps rows and columns of a single picture that has all of its cells, E57 any; a bake knows
+ * normals, edges and noise better by them. */
+static void note_pictures(const settings *s, const format *to, const scan *cloud)
+{
+	size_t pictures = 0;
+	for (size_t i = 0; i < cloud->image_count; i++)
+		pictures += cloud->image[i].columns > 1 && cloud->image[i].rows > 1;
+	bool kept =
+		strcmp(to->name, "e57") == 0 || (strcmp(to->name, "pcd") == 0 && pcd_is_picture(cloud));
+	if (!s->quiet && pictures > 0 && !kept)
+		fprintf(stderr,
+				"glowworm: note: the rows and columns of %zu scan%s are not kept: where a bake "
+				"does not "
+				"find them again, it knows normals, edges and noise less well; write E57 to keep "
+				"them\n",
+				pictures, gw_plural(pictures, "", "s"));
+}
+
 static gw_status convert(const settings *s, scan *cloud, output_file **out, gw_error *error)
 {
 	const format *to = NULL;
@@ -106,6 +126,7 @@ static gw_status convert(const settings *s, scan *cloud, output_file **out, gw_e
 	note_reading(s, cloud);
 	drop_notes(cloud);
 	note_holes(s, to, cloud);
+	note_pictures(s, to, cloud);
 	GW_TRY(output_scanners_settle(to, cloud, s->quiet, error));
 	GW_TRY(keep_up(cloud, error));
 	output_shift_settle_by(&shift, cloud, s->quiet);

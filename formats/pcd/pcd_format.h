@@ -8,7 +8,8 @@
  * stood, unless it is the one that programs write when they do not know.
  *
  * Written as binary, with colours of 8 bits packed as rgb, and coordinates in single precision when
- * that holds every one of them: programs that use PCL take doubles for zeros.
+ * that holds every one of them: programs that use PCL take doubles for zeros. Organised where all
+ * points are one picture.
  */
 #ifndef PCD_FORMAT_H
 #define PCD_FORMAT_H
@@ -22,5 +23,9 @@ extern const format pcd_format;
 /* As format.read and format.write. */
 gw_status pcd_read(input_file *in, scan *cloud, gw_error *error);
 gw_status pcd_write(output_file *out, const scan *cloud, gw_error *error);
+
+/* Whether all points are one picture, every cell of it in order, row after row: an organised cloud,
+ * as which it is written. */
+bool pcd_is_picture(const scan *cloud);
 
 #endif

@@ -149,6 +149,18 @@ static gw_status write_comments(output_file *out, const scan *cloud, gw_error *e
 	return status;
 }
 
+bool pcd_is_picture(const scan *cloud)
+{
+	const gw_range_image *image = cloud->image;
+	if (cloud->image_count != 1 || image->first != 0 || image->count != cloud->count ||
+		(uint64_t)image->columns * image->rows != cloud->count)
+		return false;
+	for (size_t i = 0; i < cloud->count; i++)
+		if (cloud->image_cell[i] != i)
+			return false;
+	return true;
+}
+
 static gw_status write_viewpoint(output_file *out, const scan *cloud, gw_error *error)
 {
 	output_file_print(out, NULL, "VIEWPOINT");
@@ -177,7 +189,10 @@ static gw_status write_header(writer *w, gw_error *error)
 	output_file_print(out, NULL, "\nCOUNT");
 	for (size_t f = 0; f < w->field_count; f++)
 		output_file_print(out, NULL, " 1");
-	output_file_print(out, NULL, "\nWIDTH %zu\nHEIGHT 1\n", w->cloud->count);
+	bool picture = pcd_is_picture(w->cloud);
+	output_file_print(out, NULL, "\nWIDTH %zu\nHEIGHT %u\n",
+					  picture ? w->cloud->image->columns : w->cloud->count,
+					  picture ? w->cloud->image->rows : 1u);
 	GW_TRY(write_viewpoint(out, w->cloud, error));
 	output_file_print(out, NULL, "POINTS %zu\n", w->cloud->count);
 	return output_file_print(out, error, "DATA binary\n");
