@@ -8,6 +8,7 @@
 const LEAST_ALBEDO = 0.004; /* what reflects less does not tell what falls on it */
 const BRIGHTEST = 1000;     /* white by every tone map, and small enough for sums of half floats */
 const LARGEST_HALF = 65504, LARGEST_FLOAT = 3e38;
+const LARGEST_PACKED = 32768; /* of light in units of its lamp's scale */
 
 const HOLE = 48; /* samples, half of the widest hole that is closed */
 
@@ -408,16 +409,24 @@ class Drawing {
 		this.ready = Math.min(this.ready + block.count, this.room);
 		this.mix(y, rows);
 	}
-	/* Three factors for each lamp, without its scale. */
+	/* Three factors for each lamp, without its scale. Light is kept times `exposed`. */
 	setGains(gains) {
 		const gl = this.gl, texels = new Float32Array(4 * scene.lamps.length);
+		this.exposed = this.half ? this.exposureOf(gains) : 1;
 		scene.lamps.forEach((lamp, l) => {
 			for (let k = 0; k < 3; k++)
-				texels[4 * l + k] = gains[l][k] * lamp.scale;
+				texels[4 * l + k] = gains[l][k] * lamp.scale * this.exposed;
 		});
 		gl.activeTexture(gl.TEXTURE3);
 		gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, scene.lamps.length, 1, gl.RGBA, gl.FLOAT, texels);
 		this.mix(0, Math.ceil(this.ready / scene.row));
+	}
+	/* The power of two times which light is kept, so that half floats hold the brightest there can
+	 * be. */
+	exposureOf(gains) {
+		const most = scene.lamps.reduce(
+			(sum, lamp, l) => sum + LARGEST_PACKED * lamp.scale * Math.max(...gains[l]), 0);
+		return most > 0 ? Math.pow(2, Math.floor(Math.log2(LARGEST_HALF / most))) : 1;
 	}
 	/* Adds up the lamps for some rows of points. */
 	mix(y, rows) {
@@ -451,7 +460,14 @@ class Drawing {
 		const all = new Float32Array(4 * scene.row * rows);
 		gl.bindFramebuffer(gl.FRAMEBUFFER, this.mixed);
 		gl.readPixels(0, 0, scene.row, rows, gl.RGBA, gl.FLOAT, all);
-		return all.subarray(0, 4 * this.ready);
+		return this.unexposed(all.subarray(0, 4 * this.ready), this.exposed);
+	}
+	/* Light as it is, of light that was kept times a factor: 4 floats each. */
+	unexposed(values, factor) {
+		for (let i = 0; i < values.length; i++)
+			if (i % 4 < 3)
+				values[i] /= factor;
+		return values;
 	}
 	/* Of one point: its place in metres from the corner, radiance, and what of it each lamp gives. */
 	point(index) {
@@ -464,6 +480,7 @@ class Drawing {
 		gl.uniform2i(this.apart.at.point, x, y);
 		this.fill(this.apart, this.one, 0, 0, lamps, 1);
 		gl.readPixels(0, 0, lamps, 1, gl.RGBA, gl.FLOAT, apart);
+		this.unexposed(apart, this.exposed);
 		const byLamp = scene.lamps.map((lamp, l) => [...apart.subarray(4 * l, 4 * l + 3)]);
 		const radiance = [0, 1, 2].map((k) => byLamp.reduce((sum, rgb) => sum + rgb[k], 0));
 		const place = [...word.subarray(0, 3)].map((steps) => steps * scene.step);
@@ -523,7 +540,7 @@ class Drawing {
 		gl.uniform1f(at.largest, scene.radius);
 		gl.uniform1f(at.least, this.leastRadius(count));
 		gl.uniform1f(at.pixel, 2 * tangent / height);
-		gl.uniform1f(at.factor, factor);
+		gl.uniform1f(at.factor, factor / this.exposed);
 		gl.uniform1f(at.most, most);
 		gl.uniform1f(at.behind, behind);
 		gl.uniform1i(at.cull, look.cull ? 1 : 0);
@@ -653,11 +670,14 @@ class Drawing {
 		const buffer = this.buffer(this.float, width, height);
 		const values = new Float32Array(4 * width * height);
 		gl.clearBufferfv(gl.COLOR, 0, [0, 0, 0, 0]);
+		/* Illuminance is pi / albedo times the radiance. */
+		const factor = this.exposed *
+			(this.half && look.quantity === 2 ? LEAST_ALBEDO / Math.PI : 1);
 		this.drawDiscs(this.measure, width, height, this.some(),
-			{ most: this.half ? LARGEST_HALF : LARGEST_FLOAT });
+			{ factor, most: this.half ? LARGEST_HALF : LARGEST_FLOAT });
 		gl.readPixels(0, 0, width, height, gl.RGBA, gl.FLOAT, values);
 		buffer.free();
-		return values;
+		return this.unexposed(values, factor);
 	}
 	/* The point under a place of the canvas, or -1. */
 	pick(x, y) {

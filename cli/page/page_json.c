@@ -20,6 +20,23 @@ static void put_units(json_writer *json, const page_scene *page)
 	json_put_close(json, '}');
 }
 
+/* What a coordinate counts; degrees are metres of a projection. */
+static void put_length(json_writer *json, const page_scene *page)
+{
+	const coordinates *place = &page->scene.place;
+	json_put_open(json, "length", '[');
+	for (int k = 0; k < 3; k++) {
+		double metres = place->projected ? 1.0 : place->scale[k];
+		char name[COORDINATES_NAME];
+		coordinates_short_name(metres, name);
+		json_put_open_flat(json, NULL, '{');
+		json_put_text(json, "name", place->projected ? "m (projected)" : name);
+		json_put_real(json, "metres", metres);
+		json_put_close(json, '}');
+	}
+	json_put_close(json, ']');
+}
+
 static void put_points(json_writer *json, const page_scene *page, const page_points *points)
 {
 	const gw_surfels *s = &page->scene.surfels;
@@ -154,6 +171,7 @@ static gw_status put_all(json_writer *json, const settings *s, const page_scene 
 	put_units(json, page);
 	if (page->bake_error)
 		json_put_text(json, "bakeError", page->bake_error);
+	put_length(json, page);
 	put_points(json, page, points);
 	GW_TRY(put_lamps(json, page));
 	put_setups(json, page);

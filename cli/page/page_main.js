@@ -99,15 +99,24 @@ function chooseCamera(i) {
 
 /* ------------------------------------------------------------------------- under the pointer */
 
+/* Metres as the file counts, to a millimetre or less. */
+function placeText(metres) {
+	const text = metres.map((x, k) => {
+		const { metres: one } = scene.length[k];
+		return (x / one).toFixed(Math.max(0, 3 + Math.ceil(Math.log10(one))));
+	});
+	const [x, , z] = scene.length.map((one) => one.name);
+	return x === z ? `${text.join(", ")} ${x}` : `${text[0]}, ${text[1]} ${x}, ${text[2]} ${z}`;
+}
+
 function describe(index) {
 	const point = drawing.point(index), unit = scene.units;
-	const metres = add(point.place, scene.corner).map((x) => x.toFixed(3)).join(", ");
 	const whole = LUMINANCE_OF(point.radiance);
 	const shares = point.byLamp.map((rgb, l) => [scene.lamps[l].column, LUMINANCE_OF(rgb) / whole])
 		.filter((one) => one[1] >= 0.005).sort((a, b) => b[1] - a[1])
 		.map(([name, share]) => `${name} ${Math.round(100 * share)} %`);
 	const value = look.quantity === 2 ? ` \u00b7 ${incidentAt(index)}` : "";
-	return `${metres} m \u00b7 ${digits(whole)} ${unit.radiance}${value}` +
+	return `${placeText(add(point.place, scene.corner))} \u00b7 ${digits(whole)} ${unit.radiance}${value}` +
 		(whole > 0 && shares.length ? ` \u00b7 ${shares.join(", ")}` : "");
 }
 

@@ -33,6 +33,7 @@ class Dimmer {
 		this.on = element("input", { type: "checkbox", checked: true, id: `on-${Dimmer.count}` });
 		this.slider = element("input", { type: "range", min: 0, max: 1, step: 0.005 });
 		this.shown = element("output", {});
+		this.shown.setAttribute("aria-hidden", "true"); /* the slider says it */
 		this.color = element("input", { type: "color", value: "#ffffff" });
 		this.slider.setAttribute("aria-label", `strength of ${name}`);
 		this.color.setAttribute("aria-label", `colour of ${name}`);
@@ -138,9 +139,8 @@ const panel = {
 			look.tone = TONE.indexOf(byId("tone").value);
 			look.cull = byId("cull").checked;
 			look.logarithmic = byId("logarithmic").checked;
-			const low = Number(byId("low").value), high = Number(byId("high").value);
-			if (high > low && (low > 0 || !look.logarithmic))
-				[look.low, look.high] = [low, high];
+			if (look.quantity !== 0)
+				this.readScale();
 			byId("scale").hidden = look.quantity === 0;
 			byId("unit").textContent = look.quantity === 2 ? scene.units.irradiance
 				: scene.units.radiance;
@@ -180,6 +180,20 @@ const panel = {
 		this.showExposure();
 		this.changed();
 	},
+	/* Takes the scale, unless it is none: then says what is wrong with it, and keeps the last. */
+	readScale() {
+		const low = byId("low").valueAsNumber, high = byId("high").valueAsNumber;
+		const lowIs = low >= 0 && (low > 0 || !look.logarithmic);
+		const text = !lowIs ? "The scale has to begin " + (look.logarithmic ? "above 0, where " +
+				"powers of ten are alike." : "at 0 or above.")
+			: !(high > low) ? "The scale has to end above where it begins." : "";
+		byId("low").setAttribute("aria-invalid", String(text !== ""));
+		byId("high").setAttribute("aria-invalid", String(text !== "" && lowIs));
+		byId("scaleWrong").textContent = text && `${text} The last one that did is shown.`;
+		byId("scaleWrong").hidden = text === "";
+		if (text === "")
+			[look.low, look.high] = [low, high];
+	},
 	/* The scale that suits what is in view: all but a few, at most three powers of ten. */
 	fit() {
 		if (look.quantity === 0)
@@ -197,6 +211,9 @@ const panel = {
 		}
 		byId("low").value = digits(look.low);
 		byId("high").value = digits(look.high);
+		const { low, high } = look; /* with all digits */
+		this.readScale();
+		[look.low, look.high] = [low, high];
 		this.drawLegend();
 		this.changed();
 	},

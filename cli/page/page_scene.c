@@ -163,12 +163,12 @@ static gw_status add_lamps(page_scene *page, const scan *cloud, const lit_lamps 
 /* ---------------------------------------------------------------------------------- set-ups */
 
 /* Whether a set-up's gain is for a lamp: by its name, its own name, its group's, or all. */
-static bool is_meant(const lit_lamp *of, const settings_gain *gain)
+static bool is_meant(const lit_lamps *lamps, size_t number, const settings_gain *gain)
 {
 	settings_gain group = *gain;
 	group.group = true;
-	return strcmp(gain->name, "*") == 0 || lit_lamp_is_meant(of, gain) ||
-		   lit_lamp_is_meant(of, &group);
+	return strcmp(gain->name, "*") == 0 || lit_lamps_is_meant(lamps, number, gain) ||
+		   lit_lamps_is_meant(lamps, number, &group);
 }
 
 /* Sets a gain in a set-up's row, three a lamp. */
@@ -177,7 +177,7 @@ static gw_status set_gain(float *to, const lit_lamps *lamps, const settings_gain
 {
 	bool found = false;
 	for (size_t l = 0; l < lamps->count; l++)
-		if (is_meant(&lamps->lamp[l], gain)) {
+		if (is_meant(lamps, l, gain)) {
 			found = true;
 			memcpy(to + 3 * l, gain->factor, sizeof gain->factor);
 		}

@@ -51,7 +51,7 @@ static gw_status set_gains(work *m, const settings_gain *gain, size_t count)
 	for (size_t i = 0; i < count; i++) {
 		bool found = false;
 		for (size_t l = 0; l < m->lamps.count; l++) {
-			if (!lit_lamp_is_meant(&m->lamps.lamp[l], &gain[i]))
+			if (!lit_lamps_is_meant(&m->lamps, l, &gain[i]))
 				continue;
 			found = true;
 			for (size_t k = 0; k < 3; k++)

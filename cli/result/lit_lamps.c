@@ -83,12 +83,13 @@ size_t lit_lamp_group(const lit_lamp *of)
 	return of->name[length] ? length : 0;
 }
 
-bool lit_lamp_is_meant(const lit_lamp *of, const settings_gain *gain)
+bool lit_lamps_is_meant(const lit_lamps *lamps, size_t number, const settings_gain *gain)
 {
+	const lit_lamp *of = &lamps->lamp[number];
 	size_t length = lit_lamp_group(of);
 	if (strcmp(of->name, gain->name) == 0)
 		return true;
-	if (length == 0)
+	if (length == 0 || (!gain->group && is_known(lamps, gain->name, strlen(gain->name))))
 		return false;
 	return gain->group ? strlen(gain->name) == length && strncmp(of->name, gain->name, length) == 0
 					   : strcmp(of->name + length + 1, gain->name) == 0;

@@ -36,9 +36,9 @@ void lit_lamps_clear(lit_lamps *lamps);
 /* Bytes of a lamp's name that are its group's, without the dot; 0: it belongs to none. */
 size_t lit_lamp_group(const lit_lamp *of);
 
-/* Whether a gain is a lamp's: by its whole name or its own; or by its group, which may stand in one
- * column of its name. */
-bool lit_lamp_is_meant(const lit_lamp *of, const settings_gain *gain);
+/* Whether a gain is for a lamp: by its whole name, or, where that is no lamp's, by its own; or by
+ * its group, which may stand in one column of its name. */
+bool lit_lamps_is_meant(const lit_lamps *lamps, size_t number, const settings_gain *gain);
 
 /* Fails with GW_ERROR_USAGE, a sentence that names those that there are. */
 gw_status lit_lamps_fail_unknown(const lit_lamps *lamps, const settings_gain *gain,

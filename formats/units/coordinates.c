@@ -39,6 +39,14 @@ const char *coordinates_unit_name(coordinates_unit unit)
 	return name[unit];
 }
 
+void coordinates_short_name(double metres, char name[COORDINATES_NAME])
+{
+	snprintf(name, COORDINATES_NAME, "x %.9g m", metres);
+	for (coordinates_unit unit = COORDINATES_M; unit < COORDINATES_DEGREES; unit++)
+		if (fabs(metres_of[unit] - metres) < 1e-9 * metres)
+			snprintf(name, COORDINATES_NAME, "%s", coordinates_unit_name(unit));
+}
+
 coordinates coordinates_metres(void)
 {
 	return (coordinates){ .scale = { 1, 1, 1 }, .name = "metres" };

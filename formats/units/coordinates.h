@@ -24,6 +24,10 @@ typedef enum coordinates_unit {
 /* "us-ft"; the names of all, in order. */
 const char *coordinates_unit_name(coordinates_unit unit);
 
+/* A unit of so many metres as it stands behind a number: "ft", or "x 0.3 m" if it has no name. */
+#define COORDINATES_NAME 32
+void coordinates_short_name(double metres, char name[COORDINATES_NAME]);
+
 typedef struct coordinates {
 	double scale[3];                   /* metres of one of them; not of degrees */
 	const struct proj_functions *proj; /* with what the system is looked up, or NULL */
