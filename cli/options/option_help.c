@@ -8,6 +8,8 @@
 
 #define COLUMNS 80
 #define INDENT 27
+#define LEFT_INDENT 12
+#define KEY_INDENT 19
 
 void option_text_usage(FILE *out)
 {
@@ -24,25 +26,54 @@ void option_text_usage(FILE *out)
 				 "  glowworm VERB --help all   every option\n"
 				 "  man glowworm-VERB          all that there is to say\n"
 				 "  glowworm --version\n\n"
-				 "Example: glowworm bake cave.ply --light 'point at 1,2,1.5 intensity 40' "
-				 "-o lit.ply\n");
+				 "Example\n"
+				 "  glowworm bake cave.ply --light 'point at 1,2,1.5 intensity 40' -o lit.ply\n");
 }
 
-/* Writes words from a column on, with line breaks; *column is where the line stands. */
-static void write_words(FILE *out, const char *text, size_t *column)
+/* Writes words, with line breaks, from a column on and further lines from another.
+ *   column   where the line stands; receives where it ends
+ *   fresh    no blank stands before the first word */
+static void write_words(FILE *out, const char *text, size_t indent, size_t *column, bool fresh)
 {
 	while (*text) {
 		size_t length = strcspn(text, " ");
-		if (*column + 1 + length > COLUMNS) {
-			fprintf(out, "\n%*s", INDENT, "");
-			*column = INDENT;
-		} else if (*column > INDENT) {
+		if (*column + !fresh + length > COLUMNS && *column > indent) {
+			fprintf(out, "\n%*s", (int)indent, "");
+			*column = indent;
+		} else if (!fresh) {
 			fputc(' ', out);
 			(*column)++;
 		}
 		fprintf(out, "%.*s", (int)length, text);
 		*column += length;
 		text += length + (text[length] == ' ');
+		fresh = false;
+	}
+}
+
+/* A line that begins with a title, and goes on below what stands behind it. */
+static void write_titled(FILE *out, const char *title, const char *text, size_t indent)
+{
+	size_t column = strlen(title);
+	fputs(title, out);
+	write_words(out, text, indent, &column, true);
+	fputc('\n', out);
+}
+
+/* What an option is called; among many values lines break. */
+static void write_left(FILE *out, const char *left, size_t *column)
+{
+	*column = 0;
+	while (*left) {
+		size_t length = strcspn(left, "|");
+		length += left[length] == '|';
+		if (*column + length > COLUMNS && *column > LEFT_INDENT) {
+			fprintf(out, "\n%*s", LEFT_INDENT, "");
+			*column = LEFT_INDENT;
+		}
+		fprintf(out, "%.*s", (int)length, left);
+		*column += length;
+		left += length;
 	}
 }
 
@@ -67,27 +98,34 @@ static void write_option(FILE *out, const option *o, const settings *defaults, b
 	snprintf(left, sizeof left, "  %c%c%c --%s%s%s", o->letter ? '-' : ' ',
 			 o->letter ? o->letter : ' ', o->letter ? ',' : ' ', o->name, *argument ? " " : "",
 			 argument);
-	fputs(left, out);
-	size_t column = strlen(left);
-	if (column >= INDENT) {
+	size_t column;
+	write_left(out, left, &column);
+	if (column >= INDENT)
 		fprintf(out, "\n%*s", INDENT, "");
-	} else {
+	else
 		fprintf(out, "%*s", (int)(INDENT - column), "");
-	}
 	column = INDENT;
 	first_words(o->help, words, sizeof words);
-	write_words(out, all ? o->help : words, &column);
+	write_words(out, all ? o->help : words, INDENT, &column, true);
 	option_legal(o, text);
 	if (*text && (o->type == OPTION_COUNT || o->type == OPTION_REAL || o->type == OPTION_FIELDS ||
 				  o->type == OPTION_VIEW)) {
 		snprintf(note, sizeof note, "(%s)", text);
-		write_words(out, note, &column);
+		write_words(out, note, INDENT, &column, false);
 	}
 	if (o->type != OPTION_FLAG && option_print(o, defaults, text)) {
 		snprintf(note, sizeof note, "[default: %s]", text);
-		write_words(out, note, &column);
+		write_words(out, note, INDENT, &column, false);
 	}
 	fputc('\n', out);
+}
+
+/* A word, and what it means beside it. */
+static void write_key(FILE *out, int before, const char *word, const char *help)
+{
+	char title[OPTION_VALUE];
+	snprintf(title, sizeof title, "%*s%-*s", before, "", KEY_INDENT - before, word);
+	write_titled(out, title, help, KEY_INDENT);
 }
 
 static void write_lights(FILE *out)
@@ -100,26 +138,28 @@ static void write_lights(FILE *out)
 		for (int k = 0; k < LIGHT_KEY_COUNT; k++) {
 			const light_key *key = &light_keys[k];
 			if (key->types & 1u << t)
-				fprintf(out, "    %-14s %s\n", key->word ? key->word : key->name, key->help);
+				write_key(out, 4, key->word ? key->word : key->name, key->help);
 		}
 	}
 	fprintf(out, "\nLamps by name, in place of a type; what is said behind them wins\n");
-	for (const light_preset *p = light_presets; p->name; p++)
-		fprintf(out, "  %-16s %s%s\n", p->name, p->about, p->estimated ? " (an estimate)" : "");
+	for (const light_preset *p = light_presets; p->name; p++) {
+		char about[OPTION_VALUE];
+		snprintf(about, sizeof about, "%s%s", p->about, p->estimated ? " (an estimate)" : "");
+		write_key(out, 2, p->name, about);
+	}
 }
 
 /* How to write lights, for those who have never done it. */
 static void write_light_examples(FILE *out)
 {
-	fputs(
-		"\nLights: --light, once for each; type, then keys and values; metres, W, W/m^2, degrees\n"
-		"  --light 'point at 1,2,1.5 intensity 40'                 a bulb, 40 W/sr\n"
-		"  --light 'spot at 1,2,0.5 to 4,2,0 intensity 200 inner 20 outer 30'\n"
-		"  --light 'sun from 135,40 irradiance 3'                  azimuth, elevation\n"
-		"  --light 'sun place 47.05,8.3 time 2026-06-21T16:30+02:00 illuminance 80000'\n"
-		"  --light 'sky radiance 0.3,0.4,0.6'                      R,G,B, or one number\n"
-		"  --light 'carbide at floor:2'                            a lamp by its name:\n",
-		out);
+	fputs("\nLights: --light, once for each; type, keys and values; metres, W, W/m^2, degrees\n"
+		  "  --light 'point at 1,2,1.5 intensity 40'                 a bulb, 40 W/sr\n"
+		  "  --light 'spot at 1,2,0.5 to 4,2,0 intensity 200 inner 20 outer 30'\n"
+		  "  --light 'sun from 135,40 irradiance 3'                  azimuth, elevation\n"
+		  "  --light 'sun place 47.05,8.3 time 2026-06-21T16:30+02:00 illuminance 80000'\n"
+		  "  --light 'sky radiance 0.3,0.4,0.6'                      R,G,B, or one number\n"
+		  "  --light 'carbide at floor:2'                            a lamp by its name:\n",
+		  out);
 	size_t column = 4;
 	fputs("   ", out);
 	for (const light_preset *p = light_presets; p->name; p++) {
@@ -175,22 +215,30 @@ static void write_options(FILE *out, verb v, bool all)
 
 void option_text_help(verb v, bool all, FILE *out)
 {
-	fprintf(out, "glowworm %s - %s\n\nUsage: glowworm %s\n", verb_name(v), verb_summary(v),
-			verb_synopsis(v));
+	char text[OPTION_VALUE];
+	size_t count = count_options(v);
+	fprintf(out, "glowworm %s - %s\n\n", verb_name(v), verb_summary(v));
+	snprintf(text, sizeof text, "Usage: glowworm %s", verb_synopsis(v));
+	write_titled(out, "", text, sizeof "Usage: glowworm" + strlen(verb_name(v)) + 1);
 	if (v == VERB_BAKE)
-		fprintf(out, "An input is a point cloud, or a scene file that ends in .json; - is standard "
-					 "input.\n");
+		write_titled(out, "",
+					 "An input is a point cloud, or a scene file that ends in .json; - is standard "
+					 "input.",
+					 0);
 	if (v == VERB_BAKE && !all)
 		write_light_examples(out);
 	write_examples(out, v);
 	write_options(out, v, all);
 	if (v == VERB_BAKE && all)
 		write_lights(out);
-	size_t count = count_options(v);
-	if (!all && count > FEW_OPTIONS)
-		fprintf(out, "\nAll %zu options: glowworm %s --help all. All about it: man glowworm-%s\n",
-				count, verb_name(v), verb_name(v));
-	else if (!all)
-		fprintf(out, "\nMore about each: glowworm %s --help all, man glowworm-%s\n", verb_name(v),
-				verb_name(v));
+	if (all)
+		return;
+	if (count > FEW_OPTIONS)
+		snprintf(text, sizeof text,
+				 "All %zu options: glowworm %s --help all. All about it: man glowworm-%s", count,
+				 verb_name(v), verb_name(v));
+	else
+		snprintf(text, sizeof text, "More about each: glowworm %s --help all, man glowworm-%s",
+				 verb_name(v), verb_name(v));
+	write_titled(out, "\n", text, 0);
 }

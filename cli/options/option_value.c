@@ -41,8 +41,31 @@ void option_argument(const option *o, char text[OPTION_VALUE])
 				 o->automatic ? "|" : "", o->argument);
 }
 
+#define LIMIT_TEXT 40
+
+/* As people write it: 16 million. */
+static void print_limit(double value, char text[LIMIT_TEXT])
+{
+	static const struct {
+		double one;
+		const char *name;
+	} large[] = { { 1e12, "trillion" }, { 1e9, "billion" }, { 1e6, "million" } };
+	snprintf(text, LIMIT_TEXT, "%.15g", value);
+	for (size_t i = 0; i < sizeof large / sizeof *large; i++) {
+		double count = value / large[i].one;
+		if (count < 1.0 || count >= 1000.0 || count != trunc(count))
+			continue;
+		snprintf(text, LIMIT_TEXT, "%g %s", count, large[i].name);
+		return;
+	}
+	char *plus = strstr(text, "e+");
+	if (plus)
+		memmove(plus + 1, plus + 2, strlen(plus + 1));
+}
+
 void option_legal(const option *o, char text[OPTION_VALUE])
 {
+	char least[LIMIT_TEXT], most[LIMIT_TEXT];
 	text[0] = '\0';
 	const char *(*choice)(int) = choices_of(o);
 	for (int i = 0; choice && choice(i); i++)
@@ -51,12 +74,14 @@ void option_legal(const option *o, char text[OPTION_VALUE])
 				 : choice(i + 1) ? ", "
 								 : " or ",
 				 choice(i));
+	print_limit(o->minimum, least);
+	print_limit(o->maximum, most);
 	if (o->type == OPTION_COUNT || o->type == OPTION_REAL)
 		snprintf(text, OPTION_VALUE,
-				 o->open                   ? "above %g and below %g"
-				 : o->type == OPTION_COUNT ? "a whole number, %g to %g"
-										   : "%g to %g",
-				 o->minimum, o->maximum);
+				 o->open                   ? "above %s and below %s"
+				 : o->type == OPTION_COUNT ? "a whole number, %s to %s"
+										   : "%s to %s",
+				 least, most);
 	if (o->type == OPTION_SEED)
 		snprintf(text, OPTION_VALUE, "a whole number");
 	if (o->type == OPTION_SIZE)

@@ -903,7 +903,7 @@ const char *verb_examples(verb v)
 					  "glowworm bake ruin.e57 --light 'sun from 135,40 irradiance 3' \\\n"
 					  "      --light 'sky radiance 0.4' -o lit.ply\n"
 					  "glowworm bake cave.scene.json --max-error 0.03 -o lit.ply\n"
-					  "glowworm bake town.laz --light 'sky radiance 1' --memory 8G --resume "
+					  "glowworm bake big.laz --light 'sky radiance 1' --memory 8G --resume "
 					  "-o lit.ply",
 		[VERB_PLAN] = "glowworm plan cave.ply --light 'point at 1,2,1.5 intensity 40'",
 		[VERB_INFO] = "glowworm info scan.laz\n"
@@ -918,7 +918,7 @@ const char *verb_examples(verb v)
 						"glowworm render lit.ply --camera 'at 1,2,1.5 to 4,2,1 fov 60' -o lit.exr\n"
 						"glowworm render lit.ply --view illuminance --isolux 50,100,200 -o lux.png",
 		[VERB_TRADEOFF] = "glowworm tradeoff cave.ply --light 'point at 1,2,1.5 intensity 40' "
-						  "--svg cave.svg",
+						  "--svg t.svg",
 		[VERB_ALBEDO] = "glowworm albedo scan.laz --capture overcast -o albedo.ply\n"
 						"glowworm albedo cave.e57 --capture flash -o albedo.ply",
 		[VERB_DOCTOR] = "glowworm doctor",

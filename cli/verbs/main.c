@@ -72,14 +72,25 @@ static gw_status call_verb(verb v, settings *s, gw_error *error)
 	return GW_ERROR_INTERNAL;
 }
 
-/* Whether `all` stands behind the request for help. */
-static bool wants_all(int count, char *const *argument)
+/* Behind the request for help stands `all`; or what belongs to a command of which it is a part: an
+ * option, or a file, whose name has an extension or a folder. */
+static gw_status check_help(verb v, int count, char *const *argument, bool *all, gw_error *error)
 {
-	for (int i = 0; i + 1 < count; i++)
-		if ((strcmp(argument[i], "--help") == 0 || strcmp(argument[i], "-h") == 0) &&
-			strcmp(argument[i + 1], "all") == 0)
-			return true;
-	return false;
+	static const char *const known[] = { "all" };
+	const char *word = NULL;
+	for (int i = 0; i + 1 < count && !word; i++)
+		if (strcmp(argument[i], "--help") == 0 || strcmp(argument[i], "-h") == 0)
+			word = argument[i + 1];
+	char hint[NEAREST_NAME_HINT] = "";
+	*all = word && strcmp(word, "all") == 0;
+	if (!word || *all || word[0] == '-' || strpbrk(word, "./"))
+		return GW_OK;
+	nearest_name_hint(hint, word, "", known, 1);
+	return gw_fail(
+		error, GW_ERROR_USAGE,
+		"'%.60s' is no help that there is; there are glowworm %s --help, and glowworm %s "
+		"--help all%s",
+		word, verb_name(v), verb_name(v), hint);
 }
 
 static gw_status run_verb(int count, char **argument, gw_error *error)
@@ -89,8 +100,10 @@ static gw_status run_verb(int count, char **argument, gw_error *error)
 	settings s = settings_default();
 	gw_status status = options_parse(v, count - 1, argument + 1, &s, error);
 	if (s.help) {
-		option_text_help(v, wants_all(count, argument), stdout);
-		status = GW_OK;
+		bool all;
+		status = check_help(v, count, argument, &all, error);
+		if (status == GW_OK)
+			option_text_help(v, all, stdout);
 	} else if (status == GW_OK) {
 		status = call_verb(v, &s, error);
 	}
@@ -109,7 +122,7 @@ static gw_status run_help(int count, char *const *word, gw_error *error)
 	GW_TRY(find_verb(word[0], &v, error));
 	if (count > 2 || (count == 2 && strcmp(word[1], "all") != 0))
 		return gw_fail(error, GW_ERROR_USAGE,
-					   "'%.60s' is too much; it is: glowworm help %s, or glowworm help %s all",
+					   "'%.60s' is too much; there are glowworm help %s, and glowworm help %s all",
 					   word[count - 1], word[0], word[0]);
 	option_text_help(v, count == 2, stdout);
 	return GW_OK;
@@ -122,7 +135,7 @@ static gw_status run(int count, char **argument, gw_error *error)
 		return GW_OK;
 	}
 	if (strcmp(argument[0], "--help") == 0 || strcmp(argument[0], "-h") == 0)
-		return run_help(0, NULL, error);
+		return run_help(count - 1, argument + 1, error);
 	if (strcmp(argument[0], "help") == 0)
 		return run_help(count - 1, argument + 1, error);
 	if (strcmp(argument[0], "--generate") == 0 && count == 2)

@@ -1,6 +1,6 @@
-# What COPC has otherwise than where points came from. Its coordinate system is WKT: where older keys
-# alone had it, PROJ makes it of them, unless they say other units beside it or no system that is
-# known; then a note says so.
+# What COPC has otherwise than where points came from. Its coordinate system is WKT: where older
+# keys alone had it, PROJ makes it of them, unless they say other units beside it or no system
+# that is known; then a note says so.
 cloud() { # keys
 	printf 'ply\nformat ascii 1.0\ncomment las geokeys 1 1 0 9 %s\nelement vertex 2\n' "$1"
 	printf 'property double %s\n' x y z

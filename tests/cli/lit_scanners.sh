@@ -30,8 +30,8 @@ awk 'BEGIN { for (i = 1; i <= 65; i++) {
 	print "1\n1\n" i " 0.5 2\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0"
 	print i " 0.5 2 1\n1 " i " 0.25 0.5 200 180 160" } }' >many.ptx
 echo '{"version": 1, "frames": 2, "inputs": [{"file": "many.ptx"}],
-	"lights": [{"type": "point", "position": [0,0,2], "intensity": 1,
-		"path": [{"frame": 0, "position": [0,0,2]}, {"frame": 1, "position": [1,0,2]}]}]}' >many.json
+	"lights": [{"type": "point", "position": [0,0,2], "intensity": 1, "path": [
+		{"frame": 0, "position": [0,0,2]}, {"frame": 1, "position": [1,0,2]}]}]}' >many.json
 lost() {
 	"$@" 2>&1 | grep -c "where the input's 65 scanners stood is lost" || true
 }
