@@ -725,10 +725,11 @@ const option options[] = {
 			  "all, or as many as --memory holds" },
 	{ "tiles", 0, "N", OPTION_COUNT, FOR(BAKE), .scene = true, AT(tiles), RANGE(1.0, 1e6),
 	  .automatic = "none", .automatic_value = 0.0, .group = "Machine",
-	  .help = "of a cloud that memory does not hold, light all points by surfaces of all of them, "
-			  "place by place, where otherwise as many as memory holds make the surface: nearer to "
-			  "the light of all at once, in several times its time. So many tiles at least; more "
-			  "where --memory asks for them. Of binary PLY, LAS and LAZ baked to one of these" },
+	  .help =
+		  "of a cloud that memory does not hold, light all points by surfaces of all of them, "
+		  "place by place, where otherwise as many as memory holds make the surface: nearer to "
+		  "the light of all at once, in several times its time. So many tiles at least; more "
+		  "where --memory asks for them. Of binary PLY, LAS and LAZ baked to one of these or E57" },
 	{ "device", 0, "NAME", OPTION_TEXT,
 	  FOR(BAKE | PLAN | TRADEOFF | RENDER | DOCTOR | ALBEDO | PROBES), .scene = true,
 	  AT(bake.device), .group = "Machine",

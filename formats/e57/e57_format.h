@@ -7,7 +7,8 @@
  * translation is where the scanner stood. Images are not read.
  *
  * Written: a scan for each scanner of which it is known what it saw, with its place as pose and the
- * points in their order; integers in the bits that they need, floats as they are, rows and columns
+ * points in their order; integers in the bits that they need, colours of 8 bits in
+ * 8, floats as they are, rows and columns
  * of range images. Columns that the standard has no names for, and comments, stand in an extension
  * of ours (e57_names.h) and are read again.
  */
@@ -19,6 +20,7 @@
 #include "files/output_file.h"
 
 extern const format e57_format;
+extern const format_parted e57_parted; /* all as one scan */
 
 /* As format.read and format.write. */
 gw_status e57_read(input_file *in, scan *cloud, gw_error *error);

@@ -1,6 +1,7 @@
 /* e57_layout.c - see e57_layout.h. */
 #include "e57/e57_layout.h"
 #include "e57/e57_names.h"
+#include "points/scan_color.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -17,6 +18,7 @@ typedef struct maker {
 	e57_layout *layout;
 	const scan *cloud;
 	const char *name;
+	const e57_known *known; /* NULL: the cloud has all points */
 	gw_error *error;
 } maker;
 
@@ -79,16 +81,17 @@ static gw_status make_scans(maker *m)
 {
 	const scan *cloud = m->cloud;
 	e57_layout *l = m->layout;
-	if (cloud->count == 0)
+	if (cloud->count == 0 && !m->known)
 		return GW_OK;
-	if (cloud->scanner_of && cloud->scanner_count <= E57_SCANS_MOST)
+	if (!m->known && cloud->scanner_of && cloud->scanner_count <= E57_SCANS_MOST)
 		return part_scans(m);
 	l->scan = calloc(1, sizeof *l->scan);
 	if (!l->scan)
 		return fail_memory(m);
 	bool alone = cloud->scanner_count == 1 && !cloud->scanner_of;
 	l->scan[l->scan_count++] =
-		(e57_out_scan){ .count = cloud->count, .place = alone ? cloud->scanner : NULL };
+		(e57_out_scan){ .count = m->known ? (size_t)m->known->count : cloud->count,
+						.place = alone ? cloud->scanner : NULL };
 	return GW_OK;
 }
 
@@ -135,21 +138,80 @@ static bool all_finite(const e57_layout *l, const e57_out_scan *s)
 	return true;
 }
 
-/* Limits of what a field holds, and the bits that integers take. */
+bool e57_layout_is_finite(const e57_out_scan *s, size_t p)
+{
+	for (size_t f = 0; f < s->field_count; f++)
+		if (s->field[f].source == E57_OF_POSITION && !isfinite(scan_value(s->field[f].column, p)))
+			return false;
+	return true;
+}
+
+/* Colours of 8 bits, and those of the surface of a lit cloud, have the limits of their type,
+ * whatever values they take, so that these need not be known. */
+static bool is_color(const scan_column *column)
+{
+	bool color = false, albedo = false;
+	for (int k = 0; k < 3; k++) {
+		color = color || strcmp(column->name, scan_color_names[k]) == 0;
+		albedo = albedo || strcmp(column->name, scan_albedo_names[k]) == 0;
+	}
+	return albedo || (color && column->type == SCAN_UINT8);
+}
+
+static void take_type_limits(e57_out_field *f)
+{
+	static const double limits[SCAN_TYPE_COUNT][2] = {
+		[SCAN_INT8] = { INT8_MIN, INT8_MAX },    [SCAN_UINT8] = { 0, UINT8_MAX },
+		[SCAN_INT16] = { INT16_MIN, INT16_MAX }, [SCAN_UINT16] = { 0, UINT16_MAX },
+		[SCAN_INT32] = { INT32_MIN, INT32_MAX }, [SCAN_UINT32] = { 0, UINT32_MAX },
+	};
+	f->low = limits[f->column->type][0];
+	f->high = limits[f->column->type][1];
+}
+
+/* Of a column that only a result has nothing is known. */
+static void take_limits(const e57_known *known, e57_out_field *f)
+{
+	for (size_t c = 0; c < known->column_count; c++) {
+		const e57_column_limits *limits = &known->column[c];
+		if (strcmp(limits->name, f->column->name) != 0 || limits->type != f->column->type)
+			continue;
+		f->low = limits->low;
+		f->high = limits->high;
+		return;
+	}
+	take_type_limits(f);
+}
+
+/* Of a position those of points that have one. */
 static void find_limits(const e57_layout *l, const e57_out_scan *s, e57_out_field *f)
 {
-	double place = f->source == E57_OF_POSITION && s->place ? s->place[f->axis] : 0.0;
-	f->low = INFINITY;
-	f->high = -INFINITY;
+	bool position = f->source == E57_OF_POSITION;
 	for (size_t i = 0; i < s->count; i++) {
 		size_t p = e57_layout_point(l, s, i);
-		double value = scan_value(f->column, p) - place;
-		if (!isfinite(value))
+		double value = scan_value(f->column, p);
+		if (!isfinite(value) || (position && !e57_layout_is_finite(s, p)))
 			continue;
+		if (position && s->place)
+			value = e57_layout_local(value, s->place[f->axis]);
 		f->low = fmin(f->low, value);
 		f->high = fmax(f->high, value);
 	}
+}
+
+/* Limits of what a field holds, which integers are written by. */
+static void set_limits(const maker *m, const e57_out_scan *s, e57_out_field *f)
+{
+	f->low = INFINITY;
+	f->high = -INFINITY;
 	e57_field *field = &f->field;
+	bool whole = field->type == E57_INTEGER;
+	if (whole && is_color(f->column))
+		take_type_limits(f);
+	else if (!m->known)
+		find_limits(m->layout, s, f);
+	else if (whole)
+		take_limits(m->known, f);
 	if (field->type == E57_INTEGER && f->low <= f->high) {
 		field->minimum = (int64_t)f->low;
 		field->maximum = (int64_t)f->high;
@@ -170,11 +232,7 @@ static gw_status add_field(maker *m, e57_out_scan *s, const e57_out_field *field
 {
 	if (!field->field.name)
 		return fail_memory(m);
-	s->field[s->field_count] = *field;
-	e57_out_field *f = &s->field[s->field_count++];
-	if (f->column)
-		find_limits(m->layout, s, f);
-	find_bits(&f->field);
+	s->field[s->field_count++] = *field;
 	return GW_OK;
 }
 
@@ -197,7 +255,7 @@ static gw_status add_column(maker *m, e57_out_scan *s, const scan_column *column
  */
 static gw_status add_others(maker *m, e57_out_scan *s)
 {
-	if (!all_finite(m->layout, s))
+	if (!(m->known ? m->known->finite : all_finite(m->layout, s)))
 		GW_TRY(add_field(
 			m, s,
 			&(e57_out_field){ .field = { .name = strdup("cartesianInvalidState"), .maximum = 2 },
@@ -223,7 +281,13 @@ static gw_status make_fields(maker *m, e57_out_scan *s)
 		return fail_memory(m);
 	for (size_t c = 0; c < m->cloud->column_count; c++)
 		GW_TRY(add_column(m, s, &m->cloud->column[c]));
-	return add_others(m, s);
+	GW_TRY(add_others(m, s));
+	for (e57_out_field *f = s->field; f < s->field + s->field_count; f++) {
+		if (f->column)
+			set_limits(m, s, f);
+		find_bits(&f->field);
+	}
+	return GW_OK;
 }
 
 /* ---------------------------------------------------------------------------------- sizes */
@@ -269,17 +333,30 @@ static gw_status find_sizes(maker *m, e57_out_scan *s)
 	return GW_OK;
 }
 
-gw_status e57_layout_make(const scan *cloud, const char *name, e57_layout *layout, gw_error *error)
+static gw_status lay_out(const scan *cloud, const e57_known *known, const char *name,
+						 e57_layout *layout, gw_error *error)
 {
 	*layout = (e57_layout){ .cloud = cloud, .length = E57_HEADER };
-	maker m = { layout, cloud, name, error };
+	maker m = { layout, cloud, name, known, error };
 	GW_TRY(make_scans(&m));
 	for (size_t s = 0; s < layout->scan_count; s++) {
-		layout->scan[s].image = find_image(layout, &layout->scan[s]);
+		if (!known)
+			layout->scan[s].image = find_image(layout, &layout->scan[s]);
 		GW_TRY(make_fields(&m, &layout->scan[s]));
 		GW_TRY(find_sizes(&m, &layout->scan[s]));
 	}
 	return GW_OK;
+}
+
+gw_status e57_layout_make(const scan *cloud, const char *name, e57_layout *layout, gw_error *error)
+{
+	return lay_out(cloud, NULL, name, layout, error);
+}
+
+gw_status e57_layout_of_part(const scan *part, const e57_known *known, const char *name,
+							 e57_layout *layout, gw_error *error)
+{
+	return lay_out(part, known, name, layout, error);
 }
 
 void e57_layout_clear(e57_layout *layout)

@@ -47,6 +47,20 @@ typedef struct e57_layout {
 	uint64_t length; /* of header and sections */
 } e57_layout;
 
+/* What is known of all points before a part of them is laid out. */
+typedef struct e57_column_limits {
+	char *name; /* owned by who made it */
+	scan_type type;
+	double low, high; /* of finite values */
+} e57_column_limits;
+
+typedef struct e57_known {
+	const e57_column_limits *column;
+	size_t column_count;
+	uint64_t count; /* points */
+	bool finite;    /* all positions are */
+} e57_known;
+
 /* Number of the i-th point of a scan. */
 static inline size_t e57_layout_point(const e57_layout *layout, const e57_out_scan *s, size_t i)
 {
@@ -65,6 +79,14 @@ double e57_layout_local(double value, double place);
  */
 gw_status e57_layout_make(const scan *cloud, const char *name, e57_layout *layout, gw_error *error);
 void e57_layout_clear(e57_layout *layout);
+
+/* The same for a part of a cloud that is one scan: as all of it is laid out, but that floats have
+ * no limits yet, and integers of which nothing is known those of their type. */
+gw_status e57_layout_of_part(const scan *part, const e57_known *known, const char *name,
+							 e57_layout *layout, gw_error *error);
+
+/* Whether a point of a scan has a position. */
+bool e57_layout_is_finite(const e57_out_scan *s, size_t p);
 
 /* Bytes of a packet of so many records, and of what stands before its values. */
 size_t e57_layout_packet(const e57_out_scan *s, size_t records);

@@ -580,4 +580,5 @@ const format e57_format = {
 	.probe = probe,
 	.read = e57_read,
 	.write = e57_write,
+	.parted = &e57_parted,
 };

@@ -3,11 +3,19 @@
 
 #include <string.h>
 
+void e57_sink_seal(uint8_t page[E57_PAGE])
+{
+	uint32_t sum = e57_page_checksum(page);
+	for (size_t b = 0; b < 4; b++)
+		page[E57_CONTENT + b] = (uint8_t)(sum >> 8 * (3 - b));
+}
+
 static void write_page(e57_sink *sink)
 {
-	uint32_t sum = e57_page_checksum(sink->page);
-	for (size_t b = 0; b < 4; b++)
-		sink->page[E57_CONTENT + b] = (uint8_t)(sum >> 8 * (3 - b));
+	e57_sink_seal(sink->page);
+	if (sink->first)
+		memcpy(sink->first, sink->page, E57_PAGE);
+	sink->first = NULL;
 	output_file_write(sink->out, sink->page, E57_PAGE, NULL);
 	sink->used = 0;
 }

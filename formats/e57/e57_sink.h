@@ -10,8 +10,12 @@
 typedef struct e57_sink {
 	output_file *out;
 	uint8_t page[E57_PAGE];
-	size_t used; /* bytes of the page */
+	size_t used;    /* bytes of the page */
+	uint8_t *first; /* receives the first page, E57_PAGE bytes; NULL: nobody wants it */
 } e57_sink;
+
+/* Puts a page's checksum behind its content. */
+void e57_sink_seal(uint8_t page[E57_PAGE]);
 
 /* Appends bytes. A failure is latched, and told by e57_sink_end. */
 void e57_sink_put(e57_sink *sink, const void *bytes, size_t length);

@@ -61,14 +61,13 @@ static void write_guid(FILE *out, uint64_t sum, uint64_t number)
 			(unsigned)(low >> 48), low & 0xffffffffffff);
 }
 
-static uint64_t sum_of(const scan *cloud)
+/* Of values, what they are called, and comments. */
+static uint64_t sum_of(const scan *cloud, uint64_t values)
 {
 	checksum sum = { 0 };
-	for (size_t c = 0; c < cloud->column_count; c++) {
-		const scan_column *column = &cloud->column[c];
-		checksum_add(&sum, column->name, strlen(column->name) + 1);
-		checksum_add(&sum, column->data, cloud->count * scan_type_size(column->type));
-	}
+	checksum_add(&sum, &values, sizeof values);
+	for (size_t c = 0; c < cloud->column_count; c++)
+		checksum_add(&sum, cloud->column[c].name, strlen(cloud->column[c].name) + 1);
 	for (size_t c = 0; c < cloud->comment_count; c++)
 		checksum_add(&sum, cloud->comment[c], strlen(cloud->comment[c]) + 1);
 	return checksum_value(&sum);
@@ -179,9 +178,9 @@ static void write_comments(FILE *out, const scan *cloud)
 	fputs("</" E57_COMMENTS ">\n", out);
 }
 
-static void write_all(FILE *out, const e57_layout *layout)
+static void write_all(FILE *out, const e57_layout *layout, uint64_t values)
 {
-	uint64_t sum = sum_of(layout->cloud);
+	uint64_t sum = sum_of(layout->cloud, values);
 	fputs("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<e57Root type=\"Structure\" "
 		  "xmlns=\"http://www.astm.org/COMMIT/E57/2010-e57-v1.0\" "
 		  "xmlns:" E57_NORMALS "=\"" E57_NORMALS_URI "\" xmlns:" E57_OURS "=\"" E57_OURS_URI
@@ -202,12 +201,13 @@ static void write_all(FILE *out, const e57_layout *layout)
 	fputs("</e57Root>\n", out);
 }
 
-gw_status e57_text_make(const e57_layout *layout, char **text, size_t *length, gw_error *error)
+gw_status e57_text_make(const e57_layout *layout, uint64_t sum, char **text, size_t *length,
+						gw_error *error)
 {
 	*text = NULL;
 	FILE *out = open_memstream(text, length);
 	if (out)
-		write_all(out, layout);
+		write_all(out, layout, sum);
 	bool whole = out && !ferror(out);
 	if (out && fclose(out) == 0 && whole && *text)
 		return GW_OK;

@@ -8,9 +8,12 @@
 
 /*
  * Describes scans that are laid out.
+ *   sum     of their values, by which the file and its scans have names; how long the text is does
+ *           not hang on it
  *   text    on success the caller's, for free(); *length bytes
  *   error   GW_ERROR_MEMORY
  */
-gw_status e57_text_make(const e57_layout *layout, char **text, size_t *length, gw_error *error);
+gw_status e57_text_make(const e57_layout *layout, uint64_t sum, char **text, size_t *length,
+						gw_error *error);
 
 #endif

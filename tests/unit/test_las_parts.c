@@ -1,10 +1,12 @@
 /*
- * test_las_parts.c - LAS and LAZ that are written part by part: the bytes of a file that is written
- * at once, however points are split, and where only the last of them says how they have to lie.
+ * test_las_parts.c - LAS, LAZ and E57 that are written part by part: the bytes of a file that is
+ * written at once, however points are split, and where only the last of them says how they have to
+ * lie.
  */
 #include "expected.h"
 #include "own_folder.h"
 #include "files/output_file.h"
+#include "e57/e57_format.h"
 #include "las/las_format.h"
 
 #include <math.h>
@@ -86,6 +88,23 @@ static scan of_another_kind(void)
 	return cloud;
 }
 
+/* What one scanner saw, but for a point without a place, and colours of a preview. */
+static scan of_a_scanner(void)
+{
+	static const double place[3] = { 12.5, -1000.25, 0.1 };
+	gw_error error;
+	scan cloud = of_another_kind();
+	assert_ok(scan_add_scanner(&cloud, place, 0, cloud.count, &error), &error);
+	scan_store(&cloud.column[1], COUNT - 5, (double)NAN);
+	scan_store(&cloud.column[0], COUNT - 5, -1e6);
+	add(&cloud, "red", SCAN_UINT8, 3.0, 1.0, 100);
+	add(&cloud, "green", SCAN_UINT8, 3.0, 0.0, 1);
+	add(&cloud, "blue", SCAN_UINT8, 0.0, 1.0, 256);
+	add(&cloud, "level", SCAN_INT16, -300.0, 1.0, 999);
+	assert_ok(scan_add_comment(&cloud, "said & done", &error), &error);
+	return cloud;
+}
+
 static scan rows_of(const scan *cloud, size_t first, size_t count)
 {
 	gw_error error;
@@ -97,6 +116,8 @@ static scan rows_of(const scan *cloud, size_t first, size_t count)
 	assert_ok(scan_take_points(cloud, row, count, &part, &error), &error);
 	for (size_t c = 0; c < cloud->comment_count; c++)
 		assert_ok(scan_add_comment(&part, cloud->comment[c], &error), &error);
+	for (size_t s = 0; s < cloud->scanner_count; s++)
+		assert_ok(scan_add_scanner(&part, cloud->scanner + 3 * s, 0, count, &error), &error);
 	free(row);
 	return part;
 }
@@ -227,8 +248,12 @@ static void parts_are_no_matter(void **state)
 		scan cloud = make[k]();
 		check(&las_format, &cloud);
 		check(&laz_format, &cloud);
+		check(&e57_format, &cloud);
 		scan_clear(&cloud);
 	}
+	scan cloud = of_a_scanner();
+	check(&e57_format, &cloud);
+	scan_clear(&cloud);
 }
 
 /* What LAS cannot hold is known before the first point is written; so is an input that changed. */
