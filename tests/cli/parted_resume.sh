@@ -9,13 +9,14 @@ what="cave.ply --strays keep --effects lamps --memory 278M"
 lamp='point at 3.4,0,1.9 intensity 40'
 glowworm bake $what -q --light "$lamp" -o whole.ply
 # Begins, and is sent a signal when some parts are written. One that is too quick is begun again.
+to=lit.ply
 stop_writing() { # signal options...
 	signal=$1
 	shift
 	for attempt in 1 2 3 4 5; do
-		rm -f lit.ply said
+		rm -f $to said
 		mkfifo said
-		glowworm bake $what --light "$lamp" -o lit.ply --progress json "$@" 2>said &
+		glowworm bake $what --light "$lamp" -o $to --progress json "$@" 2>said &
 		parts=0
 		while read -r line; do
 			case $line in
@@ -25,7 +26,7 @@ stop_writing() { # signal options...
 			[ $parts -ne 4 ] || kill -s "$signal" $! 2>/dev/null
 		done <said
 		wait $! 2>/dev/null
-		[ -e lit.ply ] || return 0
+		[ -e $to ] || return 0
 	done
 	echo "it was never stopped"
 }
@@ -36,6 +37,14 @@ cp lit.ply.part killed.part
 glowworm bake $what --light "$lamp" -o lit.ply --resume --progress json 2>said.txt
 grep -o -e 'goes on with lit.ply.resume' -e '"octree"' said.txt
 cmp lit.ply whole.ply && ls lit.ply*
+# LAS, whose parts have places as well.
+glowworm bake $what -q --light "$lamp" -o whole.las
+to=lit.las
+stop_writing KILL --resume
+ls lit.las*
+glowworm bake $what -q --light "$lamp" -o lit.las --resume
+cmp lit.las whole.las && ls lit.las* && rm lit.las
+to=lit.ply
 # Stopped by the user: kept if asked for, else nothing is left.
 stop_writing INT --resume
 glowworm bake $what -q --light "$lamp" -o lit.ply --resume

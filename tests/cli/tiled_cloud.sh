@@ -44,6 +44,11 @@ if command -v mpirun >/dev/null && [ -e "$(dirname "$GLOWWORM")/libglowworm-mpi.
 	mpirun --oversubscribe --bind-to none -n 2 glowworm $what --light "$lamp" \
 		-q $alone -o ranks.ply
 	[ "$(body ranks.ply)" = "$(body whole.ply)" ] || echo "other bytes by two ranks"
+	# What is packed in order is by the first of them.
+	mpirun --oversubscribe --bind-to none -n 2 glowworm $what --light "$lamp" \
+		-q $alone -o ranks.laz
+	glowworm convert ranks.ply whole.laz
+	cmp ranks.laz whole.laz || echo "other bytes by two ranks"
 fi
 # What takes all points at once.
 run 2 bake cave.ply --light 'sky radiance 1' --tiles 3 -o lit.vdb.ply --vdb grids.vdb
