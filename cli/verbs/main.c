@@ -78,7 +78,7 @@ static gw_status check_help(verb v, int count, char *const *argument, bool *all,
 {
 	static const char *const known[] = { "all" };
 	const char *word = NULL;
-	for (int i = 0; i + 1 < count && !word; i++)
+	for (int i = count - 2; i >= 0; i--)
 		if (strcmp(argument[i], "--help") == 0 || strcmp(argument[i], "-h") == 0)
 			word = argument[i + 1];
 	char hint[NEAREST_NAME_HINT] = "";

@@ -64,7 +64,7 @@ static gw_status survey_add(format_whole *whole, const scan *part, gw_error *err
 	if (!survey->limits)
 		GW_TRY(begin_limits(whole, part, error));
 	survey->known.count += part->count;
-	for (size_t c = 0; c < survey->known.column_count; c++) {
+	for (size_t c = 0; survey->limits && c < survey->known.column_count; c++) {
 		e57_column_limits *limits = &survey->limits[c];
 		const scan_column *column = scan_find(part, limits->name);
 		for (size_t i = 0; column && i < part->count; i++) {
