@@ -505,7 +505,10 @@ typedef struct gw_render_octree_options {
 	uint64_t memory;    /* bytes; 0: most of what is free */
 	uint32_t depth;     /* of the octree, or GW_DEPTH_AUTO */
 	float leaf_spacing; /* as gw_bake_options, of GW_DEPTH_AUTO */
-	bool bricks;        /* fill the brick pools: for cones, gw_render_octree_read and levels */
+	bool regions;       /* leaves that only regions of influence reach, and border tiles, too: for
+						   lists of cells. Rays do without them */
+	bool bricks;        /* fill the brick pools: for cones, gw_render_octree_read and levels; with
+						   regions in any case */
 } gw_render_octree_options;
 
 /* Opaque. */
@@ -638,7 +641,7 @@ typedef struct gw_cells {
 } gw_cells;
 
 /*
- * The cells of a level that hold surface.
+ * The cells of a level that hold surface; in an octree without regions, of discs alone.
  *   level   1 to the octree's depth, whose cells are the leaves
  *   cells   on success freed with gw_cells_clear; zeroed on failure
  * Fails with GW_ERROR_USAGE when there is no such level, GW_ERROR_MEMORY.
@@ -646,7 +649,8 @@ typedef struct gw_cells {
 gw_status gw_cells_list(gw_render_octree *octree, uint32_t level, gw_cells *cells, gw_error *error);
 
 /* The border tiles of a level, each as the cell that its eight nodes share, of the level above:
- * tiles without surface, of which filtering across bricks takes zeros. As gw_cells_list. */
+ * tiles without surface, of which filtering across bricks takes zeros; none in an octree without
+ * regions. As gw_cells_list. */
 gw_status gw_cells_list_borders(gw_render_octree *octree, uint32_t level, gw_cells *cells,
 								gw_error *error);
 void gw_cells_clear(gw_cells *cells);

@@ -77,7 +77,9 @@ gw_status octree_picture_open(const settings *s, const render_scene *scene, octr
 	double start = gw_seconds();
 	gw_status status = GW_OK;
 	if (p->voxels || s->render.glossy != SETTINGS_GLOSSY_PROBES)
-		status = scene_octree_create(s, scene, p->voxels || p->reflection.cone, &p->octree, error);
+		status = scene_octree_create(
+			s, scene, p->voxels || p->reflection.cone ? SCENE_OCTREE_BRICKS : SCENE_OCTREE_RAYS,
+			&p->octree, error);
 	if (status == GW_OK && p->glossy)
 		status = prepare_gloss(s, scene, p, error);
 	if (status == GW_ERROR_NO_DEVICE && !p->voxels && error)

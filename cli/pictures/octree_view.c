@@ -340,7 +340,10 @@ gw_status octree_view_open(settings *s, render_scene *scene, octree_view *v, gw_
 		return GW_OK;
 	gw_render_octree *octree = NULL;
 	bool bricks = v->view == SETTINGS_VIEW_OPACITY || v->view == SETTINGS_VIEW_VOXELS;
-	GW_TRY(scene_octree_create(s, scene, bricks, &octree, error));
+	scene_octree_use use = bricks                          ? SCENE_OCTREE_BRICKS
+						   : octree_view_is_boxes(v->view) ? SCENE_OCTREE_CELLS
+														   : SCENE_OCTREE_RAYS;
+	GW_TRY(scene_octree_create(s, scene, use, &octree, error));
 	gw_status status = make(s, scene, v, octree, error);
 	gw_render_octree_destroy(&octree);
 	return status;

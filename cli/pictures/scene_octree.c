@@ -13,7 +13,7 @@ float *scene_octree_radiance(const render_scene *scene)
 	return radiance;
 }
 
-gw_status scene_octree_create(const settings *s, const render_scene *scene, bool bricks,
+gw_status scene_octree_create(const settings *s, const render_scene *scene, scene_octree_use use,
 							  gw_render_octree **octree, gw_error *error)
 {
 	const gw_render_octree_options options = { .device = s->bake.device,
@@ -22,7 +22,8 @@ gw_status scene_octree_create(const settings *s, const render_scene *scene, bool
 											   .memory = s->bake.memory,
 											   .depth = s->bake.depth,
 											   .leaf_spacing = s->bake.leaf_spacing,
-											   .bricks = bricks };
+											   .regions = use >= SCENE_OCTREE_CELLS,
+											   .bricks = use >= SCENE_OCTREE_BRICKS };
 	float *radiance = scene_octree_radiance(scene);
 	if (!radiance)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the light of %zu points",

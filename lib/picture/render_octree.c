@@ -82,7 +82,7 @@ static gw_status make(gw_render_octree *o, const gw_surfels *surfels, const floa
 	const gw_octree_task task = { .surfels = surfels,
 								  .depth = options->depth,
 								  .leaf_spacing = options->leaf_spacing,
-								  .regions = options->bricks };
+								  .regions = options->regions || options->bricks };
 	GW_TRY(gw_octree_build_task(o->gpu, &task, &o->octree, error));
 	gw_octree_passes(&o->passes, o->gpu, &o->octree);
 	GW_TRY(upload_radiance(o, surfels, radiance, error));
