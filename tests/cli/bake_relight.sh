@@ -49,10 +49,11 @@ bake --light "$sky" --transport missing.gwt -o none.ply
 bake --light "$sky" --transport t.gwt --rays 32 -o none.ply
 bake --light "$sky" --transport t.gwt --albedo-scale 0.5 -o none.ply
 bake --light "$sky" --transport t.gwt --max-error 0.1 -o none.ply
+bake --light "$sky" --transport t.gwt --vdb none.vdb -o none.ply
 bake --light "$sky" --save-transport t.gwt -o none.ply
 bake --light "$sky" --transport t.gwt --save-transport t.gwt -f -o none.ply
 bake --save-transport new.gwt --albedo property:missing
-ls none.ply new.gwt 2>/dev/null
+ls none.ply none.vdb new.gwt 2>/dev/null
 make_box --scene corner --points 3001 -o box.ply
 bake --light "$sky" --transport t.gwt -o none.ply
 ls
@@ -67,3 +68,8 @@ deep --save-transport deep.transport -o deep.lit.ply
 deep --transport deep.transport -o deep.again.ply
 [ "$(body deep.lit.ply)" = "$(body deep.again.ply)" ] ||
 	echo "a deep octree is lit otherwise from a transport"
+# Grids of voxels, from what was saved beside some.
+voxels() { glowworm bake box.ply --light "$sky" --depth 5 -q -f -o lit.ply "$@"; }
+voxels --save-transport voxels.gwt --vdb first.vdb
+voxels --transport voxels.gwt --vdb again.vdb
+cmp first.vdb again.vdb

@@ -809,6 +809,60 @@ static void test_plane(void **state)
 	close_gpu(gpu);
 }
 
+/* The first facet that a leaf of a cell has, or NULL. */
+static const float *plane_at(const gw_octree *o, const downloaded *d, const uint32_t *cell)
+{
+	for (uint32_t leaf = 0; leaf < o->leaf_count; leaf++)
+		if (memcmp(d->cell + 4 * leaf, cell, 3 * sizeof *cell) == 0)
+			return d->plane + 8 * leaf;
+	return NULL;
+}
+
+static bool has_facet(const downloaded *d, uint32_t leaf)
+{
+	const uint32_t *cell = d->cell + 4 * leaf;
+	uint32_t octant = (cell[0] & 1) | (cell[1] & 1) << 1 | (cell[2] & 1) << 2;
+	return (d->tile[2 * cell[3] + 1] >> (8 + octant) & 1) != 0;
+}
+
+/* An octree without regions has just the leaves with facets, and these to the last bit. */
+static void test_without_regions(void **state)
+{
+	(void)state;
+	gw_gpu *gpu = open_gpu((gw_gpu_options){ 0 });
+	gw_error error = { 0 };
+	gw_surfels s;
+	gw_octree whole, bare;
+	make_scattered(2000, 9, 0.2f, &s);
+	const gw_octree_task task = { .surfels = &s, .depth = 6 };
+	assert_ok(gw_octree_build(gpu, &s, 6, &whole, &error), &error);
+	assert_ok(gw_octree_build_task(gpu, &task, &bare, &error), &error);
+	downloaded all = download_leaves(gpu, &whole),
+			   some = { .cell = download(gpu, &bare.leaf_cell) };
+	some.plane = download(gpu, &bare.facet_plane);
+	some.surfel = download(gpu, &bare.fragment_surfel);
+	uint32_t facets = 0;
+	for (uint32_t leaf = 0; leaf < whole.leaf_count; leaf++) {
+		const float *own = plane_at(&bare, &some, all.cell + 4 * leaf);
+		assert_int_equal(own != NULL, has_facet(&all, leaf));
+		facets += own != NULL;
+		if (own)
+			assert_memory_equal(own, all.plane + 8 * leaf, 8 * sizeof *own);
+	}
+	assert_int_equal(facets, bare.leaf_count);
+	assert_true(facets < whole.leaf_count);
+	for (uint32_t f = 0; f < bare.fragment_count; f++)
+		assert_int_equal(some.surfel[f] >> 31, 0);
+	assert_true(whole.border_tile_count > 0 && bare.border_tile_count == 0);
+	assert_true(bare.leaf_geometry.handle == VK_NULL_HANDLE);
+	free_leaves(&all);
+	free_leaves(&some);
+	gw_octree_destroy(gpu, &whole);
+	gw_octree_destroy(gpu, &bare);
+	gw_surfels_clear(&s);
+	close_gpu(gpu);
+}
+
 /* ------------------------------------------------------------------------------ circumstances */
 
 #define BUFFERS 19
@@ -993,13 +1047,21 @@ static void test_short_memory(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_morton),       cmocka_unit_test(test_auto_depth),
-		cmocka_unit_test(test_prefix_sum),   cmocka_unit_test(test_large_total),
-		cmocka_unit_test(test_sort),         cmocka_unit_test(test_topology),
-		cmocka_unit_test(test_discs),        cmocka_unit_test(test_leaves),
-		cmocka_unit_test(test_sphere),       cmocka_unit_test(test_plane),
-		cmocka_unit_test(test_repeatable),   cmocka_unit_test(test_odd_surfels),
-		cmocka_unit_test(test_refusals),     cmocka_unit_test(test_wider_leaves),
+		cmocka_unit_test(test_morton),
+		cmocka_unit_test(test_auto_depth),
+		cmocka_unit_test(test_prefix_sum),
+		cmocka_unit_test(test_large_total),
+		cmocka_unit_test(test_sort),
+		cmocka_unit_test(test_topology),
+		cmocka_unit_test(test_discs),
+		cmocka_unit_test(test_leaves),
+		cmocka_unit_test(test_sphere),
+		cmocka_unit_test(test_plane),
+		cmocka_unit_test(test_without_regions),
+		cmocka_unit_test(test_repeatable),
+		cmocka_unit_test(test_odd_surfels),
+		cmocka_unit_test(test_refusals),
+		cmocka_unit_test(test_wider_leaves),
 		cmocka_unit_test(test_short_memory),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
