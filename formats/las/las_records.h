@@ -28,7 +28,7 @@ typedef struct las_records {
 	bool preview; /* colours are bytes and not what points reflect, which has columns of its
 					 own: bytes become multiples of 256, as the LAS standard has it, of which
 					 LAZ makes half as many bytes as of multiples of 257 */
-	bool legacy;           /* it came from an old format, and is written in a new one */
+	bool legacy;  /* it came from an old format, and is written in a new one */
 } las_records;
 
 /*

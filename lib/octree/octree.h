@@ -167,16 +167,20 @@ uint32_t gw_octree_auto_depth(const gw_surfels *surfels);
 /* An octree to be built. */
 typedef struct gw_octree_task {
 	const gw_surfels *surfels;
-	uint32_t depth; /* 1..GW_DEPTH_MAX: leaves are as small as the depth allows; GW_DEPTH_AUTO: they
-					   are as wide as leaf_spacing says, or as much wider as memory and the device's
-					   limits ask for, and then the octree says so */
-	float leaf_spacing; /* of GW_DEPTH_AUTO: the width, in surfels->spacing */
-	bool regions;       /* regions of influence make leaves, too, and these have their geometry: for
-						   voxels and cones. Rays meet discs alone, and do without these leaves, which
-						   are a sixth of all in a smooth scene and two fifths on rough rock */
-	size_t still; /* of gw_octree_build_kept: so many surfels stay where they are, the first ones.
-					 These, bounds and spacing must be the same in every build; or, in the first
-					 one, they may be all there are */
+	/* 1..GW_DEPTH_MAX: leaves are as small as the depth allows; GW_DEPTH_AUTO: they are as wide as
+	 * leaf_spacing says, or as much wider as memory and the device's limits ask for, and then the
+	 * octree says so */
+	uint32_t depth;
+	/* of GW_DEPTH_AUTO: the width, in surfels->spacing */
+	float leaf_spacing;
+	/* regions of influence make leaves, too, and these have their geometry: for voxels and cones.
+	 * Rays meet discs alone, and do without these leaves, which are a sixth of all in a smooth
+	 * scene and two fifths on rough rock; and without border tiles */
+	bool regions;
+	/* of gw_octree_build_kept: so many surfels stay where they are, the first ones. These, bounds
+	 * and spacing must be the same in every build; or, in the first one, they may be all there are
+	 */
+	size_t still;
 } gw_octree_task;
 
 /*
