@@ -44,7 +44,7 @@ static const gw_pass_row table[GW_PASS_COUNT] = {
 	[GW_PASS_RADIX_SCATTER] = { "radix_scatter", "tttssss", sizeof(gw_radix_push), GW_RADIX_RUN_MAX,
 								.cpu = gw_cpu_radix_scatter },
 
-	[GW_PASS_OCTREE_FRAGMENTS] = { "octree_fragments", "tttttsssssss", sizeof(gw_fragments_push),
+	[GW_PASS_OCTREE_FRAGMENTS] = { "octree_fragments", "tttttssssssss", sizeof(gw_fragments_push),
 								   DISC_LOOPS, .why = OCTREE },
 	[GW_PASS_OCTREE_INVERT] = { "octree_invert", "ss", sizeof(gw_keys_push), .why = OCTREE },
 	[GW_PASS_OCTREE_MARK] = { "octree_mark", "tts", sizeof(gw_keys_push), .why = OCTREE },

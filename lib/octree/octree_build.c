@@ -136,10 +136,11 @@ static void destroy_work(gw_octree_work *work)
 {
 	gw_gpu *gpu = work->gpu;
 	gw_buffer *buffer[] = {
-		&work->surfel_albedo, &work->surfel_bend,       &work->surfel_emission,
-		&work->surfel_offset, &work->surfel_samples,    &work->fragment_place,
-		&work->marks,         &work->fragment_centroid, &work->first,
-		&work->seed,          &work->ray_mark,          &work->distance,
+		&work->surfel_albedo,  &work->surfel_bend,    &work->surfel_emission,
+		&work->surfel_offset,  &work->surfel_samples, &work->column_note,
+		&work->fragment_place, &work->marks,          &work->fragment_centroid,
+		&work->first,          &work->seed,           &work->ray_mark,
+		&work->distance,
 	};
 	for (size_t i = 0; i < sizeof buffer / sizeof *buffer; i++)
 		gw_buffer_destroy(gpu, buffer[i]);

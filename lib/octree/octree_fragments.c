@@ -211,11 +211,14 @@ gw_status gw_octree_upload_lit(gw_octree_work *work, uint32_t depth, gw_error *e
 
 void gw_octree_forget_upload(gw_octree_work *work)
 {
-	gw_buffer *buffer[] = {
-		&work->octree->surfel_position, &work->octree->surfel_normal, &work->octree->surfel_disc,
-		&work->octree->surfel_clip,     &work->surfel_bend,           &work->surfel_offset,
-		&work->surfel_samples
-	};
+	gw_buffer *buffer[] = { &work->octree->surfel_position,
+							&work->octree->surfel_normal,
+							&work->octree->surfel_disc,
+							&work->octree->surfel_clip,
+							&work->surfel_bend,
+							&work->surfel_offset,
+							&work->surfel_samples,
+							&work->column_note };
 	for (size_t i = 0; i < sizeof buffer / sizeof *buffer; i++)
 		gw_buffer_destroy(work->gpu, buffer[i]);
 }
@@ -254,6 +257,7 @@ static gw_status run_fragments(gw_octree_work *work, uint32_t emit, gw_error *er
 		GW_WHOLE(rest ? &octree->fragment_surfel : stand_in),
 		GW_WHOLE(rest ? &octree->fragment_weight : stand_in),
 		GW_WHOLE(rest ? &work->fragment_centroid : stand_in),
+		rest ? GW_WHOLE(stand_in) : GW_WINDOW(&work->column_note, 4 * GW_COLUMN_WORDS),
 	};
 	return gw_passes_run(&work->passes, GW_PASS_OCTREE_FRAGMENTS, bindings, &push, work->some,
 						 error);
@@ -266,6 +270,8 @@ gw_status gw_octree_count_fragments(gw_octree_work *work, uint64_t *total, gw_er
 								  &work->surfel_offset, error));
 	GW_TRY(gw_octree_buffer_unset(work, VK_FORMAT_R32_UINT, bytes, "samples of discs",
 								  &work->surfel_samples, error));
+	GW_TRY(gw_octree_buffer_unset(work, VK_FORMAT_R32_UINT, GW_COLUMN_WORDS * bytes,
+								  "what discs meet", &work->column_note, error));
 	GW_TRY(run_fragments(work, GW_EMIT_COUNTS, error));
 	return gw_prefix_sum_run(&work->passes, &work->sort.prefix, &work->surfel_offset, work->some,
 							 total, error);
@@ -292,6 +298,7 @@ gw_status gw_octree_sort_fragments(gw_octree_work *work, gw_error *error)
 	GW_TRY(gw_sort_list_create(work->gpu, octree->fragment_count, gw_octree_is_wide(work),
 							   &work->keys, error));
 	GW_TRY(run_fragments(work, GW_EMIT_KEYS, error));
+	gw_buffer_destroy(work->gpu, &work->column_note);
 	GW_TRY(gw_radix_sort_run(&work->passes, &work->sort, &work->keys, 3 * octree->depth, error));
 	return find_places(work, error);
 }

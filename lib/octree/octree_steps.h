@@ -57,6 +57,7 @@ typedef struct gw_octree_work {
 	gw_buffer surfel_emission; /* likewise; one texel when nothing emits */
 	gw_buffer surfel_offset;   /* count or first of its fragments */
 	gw_buffer surfel_samples;  /* of its disc, that count */
+	gw_buffer column_note;     /* GW_COLUMN_WORDS a surfel: which cells its disc meets */
 
 	/* Of fragments, first in the order of surfels, then sorted. */
 	gw_sort_list keys;

@@ -13,7 +13,8 @@
  *
  * The same shader counts and writes, so that both always agree. It writes keys first, which are
  * sorted, and then the rest of each fragment where its key went: what is not sorted takes no room
- * meanwhile.
+ * meanwhile. Counting notes for the keys which cells a larger disc meets, but for the
+ * largest.
  */
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -35,6 +36,7 @@ layout(binding = 8) writeonly buffer KeysHigh { uint key_high[]; };
 layout(binding = 9) writeonly buffer Surfels { uint fragment_surfel[]; };
 layout(binding = 10) writeonly buffer Weights { float fragment_weight[]; };
 layout(binding = 11) writeonly buffer Centroids { uint fragment_centroid[]; };
+layout(binding = 12) buffer Notes { uint column_note[]; }; /* GW_COLUMN_WORDS a surfel; windowed */
 
 layout(push_constant) uniform Push { gw_fragments_push push; };
 
@@ -172,21 +174,32 @@ float lowest_level(Disc disc, vec3 n, vec3 tangent, vec3 bitangent, float height
 	return floor(there - 0.5 * (abs(slope.x) + abs(slope.y)));
 }
 
+/* What a disc is of a column of four cells, by 4 x 4 places in each. */
+struct Column {
+	float lowest;
+	uint met;  /* a bit for each cell */
+	uint hits; /* eight bits for each: its places that lie in the disc */
+	vec4 sum_x, sum_y, sum_z; /* GW_EMIT_REST: of these */
+};
+
+uint hits_of(Column column, int k)
+{
+	return column.hits >> 8 * k & 0xffu;
+}
+
 /*
- * One column of cells; slopes of the plane are at most 1 and what bends it adds little, so that at
- * most four cells of it are met. `from` is the column's corner relative to the disc's centre, in
- * turned axes as all here.
+ * Looks at one column of cells; slopes of the plane are at most 1 and what bends it adds little, so
+ * that at most four cells of it are met. `from` is the column's corner relative to the disc's
+ * centre, in turned axes as all here.
  */
-void add_column(Disc disc, vec3 n, vec3 tangent, vec3 bitangent, float height, vec2 from,
-                ivec2 column, int axis, float share)
+void look_at_column(Disc disc, vec3 n, vec3 tangent, vec3 bitangent, float height, vec2 from,
+                    inout Column column)
 {
 	/* How near its points come to the centre: most columns at the corners are too far. */
 	vec2 nearest = max(vec2(0.0), max(from + 0.125, -(from + 0.875)));
 	if (dot(nearest, nearest) > disc.radius * disc.radius)
 		return;
 	vec2 slope = -n.xy / n.z;
-	float lowest = lowest_level(disc, n, tangent, bitangent, height, from + 0.5);
-	vec4 hits = vec4(0.0), sum_x = vec4(0.0), sum_y = vec4(0.0), sum_z = vec4(0.0);
 	for (uint j = 0u; j < 4u; j++) {
 		vec4 x = from.x + vec4(0.125, 0.375, 0.625, 0.875);
 		float y = from.y + 0.125 + 0.25 * float(j);
@@ -195,49 +208,138 @@ void add_column(Disc disc, vec3 n, vec3 tangent, vec3 bitangent, float height, v
 		vec4 v = bitangent.x * x + bitangent.y * y + bitangent.z * z;
 		vec4 bent = 0.5 * (disc.bend.x * u * u + disc.bend.z * v * v) + disc.bend.y * u * v;
 		vec4 over = height + z + bent / n.z;
-		vec4 level = clamp(floor(over) - lowest, 0.0, 3.0);
+		vec4 level = clamp(floor(over) - column.lowest, 0.0, 3.0);
 		vec4 kept = vec4(lessThanEqual(x * x + y * y + z * z, vec4(disc.radius * disc.radius))) *
 		            vec4(lessThanEqual(disc.clip[0].x * u + disc.clip[0].y * v,
 		                               vec4(disc.clip[0].z))) *
 		            vec4(lessThanEqual(disc.clip[1].x * u + disc.clip[1].y * v,
 		                               vec4(disc.clip[1].z)));
+		uvec4 here = uvec4(kept) << 8u * uvec4(level);
+		column.hits += here.x + here.y + here.z + here.w;
+		if (push.emit != GW_EMIT_REST)
+			continue;
 		for (int k = 0; k < 4; k++) {
-			vec4 here = kept * vec4(equal(level, vec4(float(k))));
-			float number = dot(here, vec4(1.0));
-			hits[k] += number;
-			if (push.emit != GW_EMIT_REST)
-				continue;
-			sum_x[k] += dot(here, x);
-			sum_y[k] += number * y;
-			sum_z[k] += dot(here, over);
+			vec4 there = kept * vec4(equal(level, vec4(float(k))));
+			column.sum_x[k] += dot(there, x);
+			column.sum_y[k] += dot(there, vec4(1.0)) * y;
+			column.sum_z[k] += dot(there, over);
 		}
 	}
-	uvec4 met = uvec4(greaterThan(hits, vec4(0.0)));
-	for (uint left = met.x | met.y << 1 | met.z << 2 | met.w << 3; left != 0u; left &= left - 1u) {
+	for (int k = 0; k < 4; k++)
+		column.met |= hits_of(column, k) > 0u ? 1u << k : 0u;
+}
+
+/* The cell of a disc's column that is `level` cells above its lowest. */
+ivec3 cell_of(Disc disc, float lowest, int level, ivec2 place, int axis)
+{
+	return disc.cell + ivec3(turn_back(vec3(vec2(place), lowest + float(level)), axis));
+}
+
+/* A fragment for each cell of a column that is met. */
+void add_column(Disc disc, Column column, vec2 from, ivec2 place, int axis, float share)
+{
+	for (uint left = column.met; left != 0u; left &= left - 1u) {
 		int k = findLSB(left);
-		ivec3 step = ivec3(turn_back(vec3(vec2(column), lowest + float(k)), axis));
-		if (!in_cube(disc.cell + step))
+		ivec3 cell = cell_of(disc, column.lowest, k, place, axis);
+		if (!in_cube(cell))
 			continue;
-		vec3 middle = vec3(sum_x[k], sum_y[k], sum_z[k]) / hits[k] -
-					  vec3(from, lowest + float(k));
-		inside_count += uint(hits[k]);
-		add_fragment(disc.cell + step, 0u, share * hits[k], turn_back(middle, axis));
+		uint hits = hits_of(column, k);
+		vec3 middle = vec3(column.sum_x[k], column.sum_y[k], column.sum_z[k]) / float(hits) -
+					  vec3(from, column.lowest + float(k));
+		inside_count += hits;
+		add_fragment(cell, 0u, share * float(hits), turn_back(middle, axis));
 	}
 }
 
-void add_large_disc(Disc disc, uint known)
+/* Leaves out what of a column lies outside of the cube. */
+void keep_inside(Disc disc, inout Column column, ivec2 place, int axis)
+{
+	ivec3 reach = ivec3(int(disc.radius) + 5); /* four cells of a column, and rounding */
+	if (in_cube(disc.cell - reach) && in_cube(disc.cell + reach))
+		return;
+	for (int k = 0; k < 4; k++)
+		if (!in_cube(cell_of(disc, column.lowest, k, place, axis))) {
+			column.met &= ~(1u << k);
+			column.hits &= ~(0xffu << 8 * k);
+		}
+}
+
+void count_column(Column column)
+{
+	uint pairs = (column.hits & 0xff00ffu) + (column.hits >> 8 & 0xff00ffu);
+	inside_count += (pairs & 0xffffu) + (pairs >> 16);
+	fragments += uint(bitCount(column.met));
+}
+
+/* How a disc that is larger than cells is looked at: axes turned, and which columns it may meet. */
+struct Lattice {
+	int axis;
+	vec3 n, tangent, bitangent, place;
+	ivec2 low, high;
+};
+
+Lattice lattice_of(Disc disc)
 {
 	vec3 size = abs(disc.normal);
 	int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
 	vec3 n = turn_axes(disc.normal, axis), place = turn_axes(disc.place, axis);
-	vec3 tangent = turn_axes(disc.tangent, axis), bitangent = turn_axes(disc.bitangent, axis);
 	vec2 extent = disc.radius * sqrt(max(vec2(0.0), vec2(1.0) - n.xy * n.xy));
-	ivec2 low = ivec2(floor(place.xy - extent)), high = ivec2(floor(place.xy + extent));
+	return Lattice(axis, n, turn_axes(disc.tangent, axis), turn_axes(disc.bitangent, axis), place,
+	               ivec2(floor(place.xy - extent)), ivec2(floor(place.xy + extent)));
+}
+
+Column begin_column(Disc disc, Lattice l, vec2 from)
+{
+	float lowest = lowest_level(disc, l.n, l.tangent, l.bitangent, l.place.z, from + 0.5);
+	return Column(lowest, 0u, 0u, vec4(0.0), vec4(0.0), vec4(0.0));
+}
+
+uint noted_at(uint word)
+{
+	return GW_COLUMN_WORDS * gl_GlobalInvocationID.x + word;
+}
+
+/* The keys of what counting noted: a bit for each cell, four a column, row by row. */
+void add_noted(Disc disc, Lattice l, uint columns)
+{
+	uint width = uint(l.high.x - l.low.x) + 1u;
+	for (uint word = 0u; word < (columns + 7u) / 8u; word++)
+		for (uint left = column_note[noted_at(word)]; left != 0u; left &= left - 1u) {
+			uint bit = uint(findLSB(left)), number = 8u * word + (bit >> 2);
+			ivec2 place = l.low + ivec2(number % width, number / width);
+			Column column = begin_column(disc, l, vec2(place) - l.place.xy);
+			ivec3 cell = cell_of(disc, column.lowest, int(bit & 3u), place, l.axis);
+			inside_count++;
+			add_fragment(cell, 0u, 0.0, vec3(0.0));
+		}
+}
+
+void add_large_disc(Disc disc, uint known)
+{
+	Lattice l = lattice_of(disc);
+	ivec2 size = l.high - l.low + 1;
+	bool noted = size.x * size.y <= int(8u * GW_COLUMN_WORDS), counts = push.emit == GW_EMIT_COUNTS;
+	if (push.emit == GW_EMIT_KEYS && noted) {
+		add_noted(disc, l, uint(size.x * size.y));
+		return;
+	}
 	float share = disc.area / float(max(known, 1u));
-	for (int y = low.y; y <= high.y; y++)
-		for (int x = low.x; x <= high.x; x++)
-			add_column(disc, n, tangent, bitangent, place.z, vec2(x, y) - place.xy, ivec2(x, y),
-			           axis, share);
+	uint number = 0u, note = 0u;
+	for (int y = l.low.y; y <= l.high.y; y++)
+		for (int x = l.low.x; x <= l.high.x; x++, number++) {
+			vec2 from = vec2(x, y) - l.place.xy;
+			Column column = begin_column(disc, l, from);
+			look_at_column(disc, l.n, l.tangent, l.bitangent, l.place.z, from, column);
+			if (!counts) {
+				add_column(disc, column, from, ivec2(x, y), l.axis, share);
+				continue;
+			}
+			keep_inside(disc, column, ivec2(x, y), l.axis);
+			count_column(column);
+			note = ((number & 7u) == 0u ? 0u : note) | column.met << 4u * (number & 7u);
+			if (noted)
+				column_note[noted_at(number >> 3)] = note;
+		}
 }
 
 void main()

@@ -35,6 +35,9 @@
 /* What w of a facet's albedo is at least, besides 0 and 1, where some of it may face either way. */
 #define GW_FACET_UNCLEAR 2.0f
 
+/* Words in which octree_fragments.comp notes what a disc meets, eight columns of cells each. */
+#define GW_COLUMN_WORDS 8u
+
 /* What octree_fragments.comp does: counts fragments, writes their keys, or all else of them. */
 #define GW_EMIT_COUNTS 0u
 #define GW_EMIT_KEYS 1u
