@@ -44,3 +44,17 @@ gw_status output_name_check_rounding(const format *f, const settings *s, const c
 	return gw_fail(error, GW_ERROR_USAGE, "%s is for LAS, LAZ and COPC, and %s is %s; leave it out",
 				   light ? "--las-radiance" : "--las-step", path, f->name);
 }
+
+/* Degrees that are about a millimetre, and metres that a degree is. */
+#define FEW_DEGREES 1e-8f
+#define DEGREE_METRES 111e3
+
+gw_status output_name_check_step(const settings *s, bool degrees, gw_error *error)
+{
+	if (!degrees || s->las_step <= FEW_DEGREES)
+		return GW_OK;
+	return gw_fail(error, GW_ERROR_USAGE,
+				   "--las-step %g: x and y are degrees, of which that is up to %.2g m; 1e-9 is a "
+				   "tenth of a millimetre",
+				   (double)s->las_step, DEGREE_METRES * (double)s->las_step);
+}

@@ -25,4 +25,8 @@ gw_status output_name_format(const char *path, const char *name, const format **
 gw_status output_name_check_rounding(const format *f, const settings *s, const char *path,
 									 gw_error *error);
 
+/* GW_ERROR_USAGE where --las-step would move points by more than a millimetre because x and y are
+ * degrees. */
+gw_status output_name_check_step(const settings *s, bool degrees, gw_error *error);
+
 #endif

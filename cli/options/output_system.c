@@ -2,6 +2,7 @@
 #include "options/output_system.h"
 
 #include "las/las_notes.h"
+#include "options/output_name.h"
 #include "units/coordinates.h"
 #include "glowworm_host.h"
 
@@ -47,4 +48,12 @@ gw_status output_system_settle(const format *to, scan *cloud, bool quiet, gw_err
 	if (!quiet)
 		note_classes(cloud);
 	return GW_OK;
+}
+
+gw_status output_system_check_step(const settings *s, const scan *cloud, gw_error *error)
+{
+	bool degrees = false;
+	if (s->las_step > 0.0f)
+		GW_TRY(coordinates_say_degrees(cloud, &degrees, error));
+	return output_name_check_step(s, degrees, error);
 }

@@ -399,6 +399,7 @@ static gw_status check_results(bake *b)
 		return GW_OK;
 	if (b->output)
 		output_file_use_threads(b->output, s->bake.threads);
+	GW_TRY(output_name_check_step(s, b->scene.place.projected, b->error));
 	GW_TRY(check_format(b));
 	row = b->format->row_bytes ? b->format->row_bytes : b->format->text ? 2 * columns : row;
 	if (b->parted.begun) /* what is there takes room already */

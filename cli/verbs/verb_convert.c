@@ -107,9 +107,8 @@ static void note_pictures(const settings *s, const format *to, const scan *cloud
 	if (!s->quiet && pictures > 0 && !kept)
 		fprintf(stderr,
 				"glowworm: note: the rows and columns of %zu scan%s are not kept: where a bake "
-				"does not "
-				"find them again, it knows normals, edges and noise less well; write E57 to keep "
-				"them\n",
+				"does not find them again, it knows normals, edges and noise less well; write "
+				"E57 to keep them\n",
 				pictures, gw_plural(pictures, "", "s"));
 }
 
@@ -131,6 +130,7 @@ static gw_status convert(const settings *s, scan *cloud, output_file **out, gw_e
 	GW_TRY(keep_up(cloud, error));
 	output_shift_settle_by(&shift, cloud, s->quiet);
 	GW_TRY(output_shift_apply(&shift, cloud, error));
+	GW_TRY(output_system_check_step(s, cloud, error));
 	bake_columns_round(cloud, s);
 	GW_TRY(output_system_settle(to, cloud, s->quiet, error));
 	GW_TRY(to->write(*out, cloud, error));

@@ -178,6 +178,7 @@ static gw_status finish_part(const mixing *m, mixed_part *part)
 	GW_TRY(add_command(m, &part->cloud));
 	if (wants_preview(m, &part->cloud))
 		GW_TRY(make_preview(m, part));
+	GW_TRY(output_system_check_step(m->settings, &part->cloud, m->error));
 	bake_columns_round(&part->cloud, m->settings);
 	return output_shift_apply(&m->shift, &part->cloud, m->error);
 }

@@ -70,6 +70,7 @@ bool coordinates_agree(const coordinates *a, const coordinates *b)
 typedef struct system_name {
 	char *text;              /* owned, or NULL */
 	double linear, vertical; /* metres; 0: not said */
+	bool geographic;         /* keys name longitude and latitude */
 } system_name;
 
 static double unit_of_code(unsigned code)
@@ -94,6 +95,7 @@ static gw_status name_by_keys(const scan *cloud, system_name *name, gw_error *er
 		}
 	}
 	unsigned code = projected ? projected : name->linear > 0.0 ? 0 : geographic;
+	name->geographic = geographic && code == geographic;
 	if (code == 0 || code == GEO_USER)
 		return GW_OK;
 	if (asprintf(&name->text, "EPSG:%u", code) < 0) {
@@ -223,6 +225,27 @@ gw_status coordinates_add_wkt(scan *cloud, bool *missing, gw_error *error)
 	if (status == GW_OK && name.text)
 		status = add_wkt(cloud, &name, missing, error);
 	free(name.text);
+	return status;
+}
+
+/* WKT of a projected system has the one that it is projected from in it. */
+static bool is_geographic(const char *wkt)
+{
+	return !strstr(wkt, "PROJCS") && !strstr(wkt, "PROJCRS") &&
+		   (strstr(wkt, "GEOGCS") || strstr(wkt, "GEOGCRS") || strstr(wkt, "GEODCRS"));
+}
+
+gw_status coordinates_say_degrees(const scan *cloud, bool *degrees, gw_error *error)
+{
+	system_name wkt = { 0 }, keys = { 0 };
+	bounds b = find_bounds(cloud);
+	gw_status status = las_note_join(cloud, "wkt", &wkt.text, error);
+	if (status == GW_OK)
+		status = name_by_keys(cloud, &keys, error);
+	bool named = wkt.text && *wkt.text;
+	*degrees = (named ? is_geographic(wkt.text) : keys.geographic) && can_be_degrees(&b);
+	free(wkt.text);
+	free(keys.text);
 	return status;
 }
 

@@ -59,6 +59,10 @@ void coordinates_clear(coordinates *c);
  * GW_ERROR_MEMORY. */
 gw_status coordinates_add_wkt(scan *cloud, bool *missing, gw_error *error);
 
+/* Whether the WKT or GeoTIFF keys that its file had say that x and y of a scan are degrees, and
+ * they can be. GW_ERROR_MEMORY. */
+gw_status coordinates_say_degrees(const scan *cloud, bool *degrees, gw_error *error);
+
 /* Sees that systems which files name can be looked up. GW_ERROR_INTERNAL where the plugin or PROJ's
  * data is missing; GW_ERROR_MEMORY. */
 gw_status coordinates_try(gw_error *error);

@@ -32,6 +32,18 @@ bake feet 'point at 16.4041995,39.3700787,13.1233596 intensity 100' --units ft
 bake degrees 'point at 10.000069739,50.000107887,4 intensity 100' --units degrees
 glowworm bake degrees.txt -o x.ply --light 'sky radiance 1' 2>&1
 echo "status $?"
+# A step of degrees is a length that nobody means.
+glowworm bake degrees.txt -o x.laz --light 'sky radiance 1' --units degrees --las-step 0.0001 2>&1
+echo "status $?"
+{
+	echo '# las geokeys 1 1 0 1 2048 0 1 4326'
+	echo '# x y z'
+	sed 1d degrees.txt
+} >keys.xyz
+for step in 0.0001 1e-9; do
+	glowworm convert keys.xyz x.laz --las-step $step 2>&1
+	echo "status $?"
+done
 # The same camera, said in the coordinates of either.
 for name in metres feet; do
 	units=m

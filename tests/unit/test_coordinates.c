@@ -112,6 +112,36 @@ static void degrees_become_metres(void **state)
 	scan_clear(&cloud);
 }
 
+/* What a file's text says, which nobody has to look up: not of a projected system, which names the
+ * degrees that it is projected from, and not where coordinates cannot be degrees. */
+static void texts_say_degrees(void **state)
+{
+	(void)state;
+	static const struct {
+		const char *text;
+		bool far, degrees;
+	} row[] = {
+		{ "las geokeys 1 1 0 2 1024 0 1 2 2048 0 1 4326", false, true },
+		{ "las geokeys 1 1 0 2 1024 0 1 2 2048 0 1 4326", true, false },
+		{ "las geokeys 1 1 0 2 3072 0 1 25832 2048 0 1 4258", false, false },
+		{ "las geokeys 1 1 0 2 2048 0 1 4326 3076 0 1 9001", false, false },
+		{ "las wkt GEOGCS[\"WGS 84\"]", false, true },
+		{ "las wkt PROJCS[\"m\",GEOGCS[\"g\"]]", false, false },
+		{ "las wkt COMPOUNDCRS[\"c\",GEOGCRS[\"g\"],VERTCRS[\"v\"]]", false, true },
+		{ "said", false, false },
+	};
+	for (size_t r = 0; r < sizeof row / sizeof *row; r++) {
+		gw_error error = { 0 };
+		bool degrees = !row[r].degrees;
+		scan cloud =
+			row[r].far ? make_cloud(feet_low, feet_high) : make_cloud(degrees_low, degrees_high);
+		assert_int_equal(scan_add_comment(&cloud, row[r].text, &error), GW_OK);
+		assert_int_equal(coordinates_say_degrees(&cloud, &degrees, &error), GW_OK);
+		assert_int_equal(degrees, row[r].degrees);
+		scan_clear(&cloud);
+	}
+}
+
 /* A system that nobody knows: metres, with a note, but for what looks like degrees. Where keys name
  * the unit beside it nothing is missing. */
 static void unknown_systems_are_noted(void **state)
@@ -197,7 +227,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(units_are_what_is_said), cmocka_unit_test(files_say_their_units),
 		cmocka_unit_test(degrees_become_metres),  cmocka_unit_test(unknown_systems_are_noted),
-		cmocka_unit_test(degrees_are_noticed),
+		cmocka_unit_test(degrees_are_noticed),    cmocka_unit_test(texts_say_degrees),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
