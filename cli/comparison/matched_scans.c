@@ -224,11 +224,12 @@ static gw_status find_partners(matched_scans *m, const scan_column *const found[
 	GW_TRY(match_columns(m, found, truth, 3, NULL, error));
 	if (lacks_partners(m, truth))
 		match_by_order(m, found, truth);
-	/* COPC has an order of its own. */
+	/* COPC has an order of its own. A cloud that was LAS may have been moved off its grid. */
+	const scan *const of[2] = { m->found, m->truth };
 	grid on;
-	bool rounded = m->by == MATCHED_BY_POSITION && lacks_partners(m, truth);
-	if (rounded && (find_grid(m->found, &on) || find_grid(m->truth, &on)))
-		GW_TRY(match_columns(m, found, truth, 3, &on, error));
+	for (int k = 0; k < 2 && m->by == MATCHED_BY_POSITION && lacks_partners(m, truth); k++)
+		if (find_grid(of[k], &on))
+			GW_TRY(match_columns(m, found, truth, 3, &on, error));
 	return GW_OK;
 }
 

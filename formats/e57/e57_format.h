@@ -7,9 +7,9 @@
  * translation is where the scanner stood. Images are not read.
  *
  * Written: a scan for each scanner of which it is known what it saw, with its place as pose and the
- * points in their order; integers in the bits that they need, colours of 8 bits in 8, floats as they
- * are, rows and columns of range images. Columns that the standard has no names for, and comments,
- * stand in an extension of ours (e57_names.h) and are read again.
+ * points in their order; integers in the bits that they need, colours of 8 bits in 8, floats as
+ * they are, rows and columns of range images. Columns that the standard has no names for, and
+ * comments, stand in an extension of ours (e57_names.h) and are read again.
  */
 #ifndef E57_FORMAT_H
 #define E57_FORMAT_H
