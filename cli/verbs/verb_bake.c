@@ -341,7 +341,7 @@ static gw_status read_inputs(bake *b)
 		return gw_fail(
 			b->error, GW_ERROR_USAGE,
 			"--tiles lights one file whose points can be read in parts, a binary PLY, LAS "
-			"or LAZ with more than %u points, to a file of one of these, in a --memory that "
+			"or LAZ with more than %u points, to a file of one of these or E57, in a --memory that "
 			"holds as many; leave it out, or convert %s",
 			PARTED_CLOUD_LEAST, b->settings->input[0].path);
 	GW_TRY(keep_account(b));

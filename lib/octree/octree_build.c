@@ -231,25 +231,26 @@ gw_status gw_octree_without_tree(gw_gpu *gpu, const gw_octree_task *task, gw_oct
 }
 
 /* With leaves as wide as the start says, or as much wider as there is room for. */
-static gw_status build_spaced(gw_octree_work *start, gw_error *error)
+static gw_status build_spaced(const gw_octree_work *start, gw_error *error)
 {
-	gw_octree *octree = start->octree;
+	gw_octree_work work = *start;
+	gw_octree *octree = work.octree;
 	float wanted = 0.0f;
 	uint64_t too_many;
 	char why[GW_OCTREE_WHY] = "";
-	start->too_many = &too_many;
+	work.too_many = &too_many;
 	for (;;) {
-		uint32_t depth = depth_of(extent_of(start->surfels) / start->leaf_size);
+		uint32_t depth = depth_of(extent_of(work.surfels) / work.leaf_size);
 		too_many = 0;
-		gw_status status = build_once(start, depth, error);
+		gw_status status = build_once(&work, depth, error);
 		if (status == GW_OK) {
 			octree->wanted_leaf_size = wanted;
 			memcpy(octree->why_coarser, why, sizeof why);
 		}
 		if (status != GW_ERROR_MEMORY || depth == 1)
 			return status;
-		note_coarser(start->leaf_size, error, &wanted, why);
-		start->leaf_size *= widening(start->gpu, too_many);
+		note_coarser(work.leaf_size, error, &wanted, why);
+		work.leaf_size *= widening(work.gpu, too_many);
 	}
 }
 

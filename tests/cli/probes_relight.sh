@@ -25,7 +25,8 @@ for pair in 'plain first' 'plain again' 'fresh other'; do
 	diff $1.json $2.json
 done
 echo "through a pipe, and by a bake:"
-glowworm probes rooms.ply --rays 16 --moves 4 --size 8 -q --save-transport - | cat >piped.gwt
+glowworm probes rooms.ply --rays 16 --moves 4 --size 8 -q --vdb saved.vdb --save-transport - |
+	cat >piped.gwt
 place $(files piped) --light "$sky" --transport - <piped.gwt
 cmp fresh.exr piped.exr
 glowworm bake rooms.ply --rays 16 --light "$sky" -q -o fresh.ply

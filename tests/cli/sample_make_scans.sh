@@ -7,7 +7,7 @@ make_cave --points 20000 --noise 0.002 --format ptx -o cave.ptx
 make_cave --points 20000 --noise 0.002 --format e57 -o cave.e57
 glowworm convert cave.ply ply.csv
 for format in ptx e57; do
-	glowworm convert "cave.$format" "$format.csv"
+	glowworm convert "cave.$format" "$format.csv" -q
 	# Each of three coordinates is off by half a step at most (5e-7 or 5e-6 m), and so is the whole
 	# by its length, however it is turned; places in a PTX file have 6 decimals. Below 64 m float32
 	# is good to half of 2^-18, and so is the shortest text that stands for one.
