@@ -107,7 +107,7 @@ static bool is_part(const check *c, uint32_t slot, uint32_t surfel)
 {
 	const uint32_t *first = c->view.first.bytes, *word = c->view.fragment.bytes;
 	for (uint32_t f = first[slot >> 1]; f < first[(slot >> 1) + 1]; f++)
-		if ((word[f] & GW_FRAGMENT_SURFEL) == surfel)
+		if ((word[f] & GW_FRAGMENT_ROI) == 0 && (word[f] & GW_FRAGMENT_SURFEL) == surfel)
 			return true;
 	return false;
 }

@@ -192,7 +192,7 @@ static bool lies_in(const gw_hit_light *h, uint32_t facet, uint32_t surfel)
 {
 	const uint32_t *first = h->first.bytes, *fragment = h->fragment.bytes;
 	for (uint32_t f = first[facet >> 1]; f < first[(facet >> 1) + 1]; f++)
-		if ((fragment[f] & GW_FRAGMENT_SURFEL) == surfel)
+		if ((fragment[f] & GW_FRAGMENT_ROI) == 0 && (fragment[f] & GW_FRAGMENT_SURFEL) == surfel)
 			return true;
 	return false;
 }

@@ -29,7 +29,7 @@ figures() {
 bake --max-error 0.2 -o lit.ply --report report.json
 figures 0.2
 # Finer than what an octree, records and rays at their limits of this small scene can give.
-bake --max-error 0.00001 --quality draft --least-records 0 --depth 3 --estimate-points 50 \
+bake --max-error 0.00001 --quality draft --least-records 0 --depth 5 --estimate-points 50 \
 	-o missed.ply --report report.json 2>err
 short() {
 	sed -E 's/error is .* rounds/error is E % after N rounds/; s/[0-9.e+-]+ % are/N % are/
