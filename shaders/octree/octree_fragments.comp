@@ -13,8 +13,8 @@
  *
  * The same shader counts and writes, so that both always agree. It writes keys first, which are
  * sorted, and then the rest of each fragment where its key went: what is not sorted takes no room
- * meanwhile. Counting notes for the keys which cells a larger disc meets, but for the
- * largest.
+ * meanwhile. Counting notes for the keys which cells a larger disc meets, unless it is
+ * one of the largest.
  */
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -163,15 +163,21 @@ vec3 turn_back(vec3 v, int axis)
 	return axis == 0 ? v.zxy : axis == 1 ? v.yzx : v;
 }
 
-/* The lowest cell that a disc may meet in the column around `middle`. */
+/* The lowest cell that a disc may meet in the column around `middle`; the same wherever it is asked
+ * for, so that keys go to the cells that were counted. */
 float lowest_level(Disc disc, vec3 n, vec3 tangent, vec3 bitangent, float height, vec2 middle)
 {
-	vec3 p = vec3(middle, -dot(n.xy, middle) / n.z);
-	vec2 at = vec2(dot(tangent, p), dot(bitangent, p));
-	vec2 rise = bend_rise(disc, at);
-	vec2 slope = (rise.x * tangent.xy + rise.y * bitangent.xy - n.xy) / n.z;
-	float there = height + p.z + bend_height(disc, at) / n.z;
-	return floor(there - 0.5 * (abs(slope.x) + abs(slope.y)));
+	precise float fall = n.x * middle.x + n.y * middle.y;
+	precise vec3 p = vec3(middle, -fall / n.z);
+	precise float u = tangent.x * p.x + tangent.y * p.y + tangent.z * p.z;
+	precise float v = bitangent.x * p.x + bitangent.y * p.y + bitangent.z * p.z;
+	precise float along = disc.bend.x * u + disc.bend.y * v;
+	precise float across = disc.bend.y * u + disc.bend.z * v;
+	precise vec2 slope = (along * tangent.xy + across * bitangent.xy - n.xy) / n.z;
+	precise float bent = 0.5 * (along * u + across * v);
+	precise float there = height + p.z + bent / n.z;
+	precise float lowest = there - 0.5 * (abs(slope.x) + abs(slope.y));
+	return floor(lowest);
 }
 
 /* What a disc is of a column of four cells, by 4 x 4 places in each. */
