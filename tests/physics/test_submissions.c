@@ -19,8 +19,8 @@
 static void make_box(scene *s)
 {
 	const float lamp[3] = { 2.0f, 1.0f, 0.5f };
-	scene_add_box(s, (double[3]){ 0, 0, 0 }, (double[3]){ 1, 1, 1 }, 20, 0.7f);
-	for (size_t i = 0; i < 20; i++)
+	scene_add_box(s, (double[3]){ 0, 0, 0 }, (double[3]){ 1, 1, 1 }, 24, 0.7f);
+	for (size_t i = 0; i < 24; i++)
 		scene_emit(s, i, lamp);
 }
 
