@@ -51,11 +51,11 @@ typedef struct e57_layout {
 typedef struct e57_column_limits {
 	char *name; /* owned by who made it */
 	scan_type type;
-	double low, high; /* of finite values */
+	double low, high;
 } e57_column_limits;
 
 typedef struct e57_known {
-	const e57_column_limits *column;
+	const e57_column_limits *column; /* those of whole numbers */
 	size_t column_count;
 	uint64_t count; /* points */
 	bool finite;    /* all positions are */

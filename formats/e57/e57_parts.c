@@ -38,6 +38,7 @@ static gw_status survey_begin(format_whole *whole, gw_error *error)
 	return GW_OK;
 }
 
+/* Only of whole numbers limits are needed before they are written. */
 static gw_status begin_limits(format_whole *whole, const scan *part, gw_error *error)
 {
 	e57_survey *survey = whole->survey;
@@ -45,14 +46,13 @@ static gw_status begin_limits(format_whole *whole, const scan *part, gw_error *e
 	if (!survey->limits)
 		return fail_memory(whole, error);
 	survey->known.column = survey->limits;
-	for (size_t c = 0; c < part->column_count; c++) {
-		survey->limits[c] = (e57_column_limits){ .name = strdup(part->column[c].name),
-												 .type = part->column[c].type,
-												 .low = INFINITY,
-												 .high = -INFINITY };
-		if (!survey->limits[c].name)
+	for (const scan_column *c = part->column; c < part->column + part->column_count; c++) {
+		if (c->type == SCAN_FLOAT32 || c->type == SCAN_FLOAT64)
+			continue;
+		e57_column_limits own = { strdup(c->name), c->type, INFINITY, -INFINITY };
+		if (!own.name)
 			return fail_memory(whole, error);
-		survey->known.column_count++;
+		survey->limits[survey->known.column_count++] = own;
 	}
 	return GW_OK;
 }
@@ -68,8 +68,9 @@ static gw_status survey_add(format_whole *whole, const scan *part, gw_error *err
 		e57_column_limits *limits = &survey->limits[c];
 		const scan_column *column = scan_find(part, limits->name);
 		for (size_t i = 0; column && i < part->count; i++) {
-			limits->low = fmin(limits->low, scan_value(column, i));
-			limits->high = fmax(limits->high, scan_value(column, i));
+			double value = scan_value(column, i);
+			limits->low = fmin(limits->low, value);
+			limits->high = fmax(limits->high, value);
 		}
 	}
 	for (int k = 0; k < 3; k++) {
