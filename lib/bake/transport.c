@@ -21,7 +21,7 @@
 #include <string.h>
 
 #define MAGIC "glowworm transport\n"
-#define VERSION 25u
+#define VERSION 26u
 
 /* Blocks are read and checked in chunks, by all threads. */
 #define CHUNK_BYTES (UINT64_C(1) << 20)
@@ -404,7 +404,8 @@ static bool tree_fits(const gw_scene *scene, const arrivals *all)
 	const arrival *a = all->arrival;
 	while (a->block->buffer != &o->disc_tree)
 		a++;
-	return gw_disc_tree_fits((const uint32_t *)a->from, o->tree_discs, 2 * (uint64_t)o->leaf_count);
+	return gw_disc_tree_fits((const uint32_t *)a->from, o->tree_discs, o->tree_nodes,
+							 2 * (uint64_t)o->leaf_count);
 }
 
 /* And rows follow each other, and strays are points. */

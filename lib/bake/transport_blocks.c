@@ -61,6 +61,7 @@ gw_transport_numbers gw_transport_numbers_of(const gw_scene *scene)
 	n.surfels = s->count;
 	n.points = s->point_count;
 	n.tree_discs = o->tree_discs;
+	n.tree_nodes = o->tree_nodes;
 	n.strays = s->stray_count;
 	n.depth = o->depth;
 	n.directory_level = o->directory_level;
@@ -132,9 +133,9 @@ bool gw_transport_numbers_fit(const gw_transport_numbers *n)
 		   n->looked <= 1 && n->portals <= GW_PORTALS_MOST && n->opened == (n->portals > 0) &&
 		   n->optional <= (NOISY | OFF | POINTS_ALBEDO | CUT | BENT | CREASED | MOMENTS | DOUBTED |
 						   FROM_ABOVE | ADDED | CHECKED | VOXELS) &&
-		   (n->tree_discs == 0 || n->optional & CUT) &&
-		   (!(n->optional & MOMENTS) || n->light_samples > 0) && n->check_points <= n->surfels &&
-		   n->check_point_rays <= 4096 &&
+		   (n->tree_discs == 0 ? n->tree_nodes == 0 : n->optional & CUT) &&
+		   n->tree_nodes <= n->tree_discs && (!(n->optional & MOMENTS) || n->light_samples > 0) &&
+		   n->check_points <= n->surfels && n->check_point_rays <= 4096 &&
 		   n->check_points_lit <= (n->emits == 1 && n->check_points > 0) &&
 		   isfinite(n->leaf_size) && n->leaf_size > 0.0f && n->block_level < n->depth &&
 		   n->leaves > 0 && n->leaves <= INT32_MAX / 2 && n->dark_slot <= 2 * n->leaves &&
@@ -165,7 +166,8 @@ void gw_transport_numbers_restore(const gw_transport_numbers *n, gw_scene *scene
 					  .tile_count = n->tiles,
 					  .border_tile_count = n->border_tiles,
 					  .fragment_count = n->fragments,
-					  .tree_discs = (uint32_t)n->tree_discs };
+					  .tree_discs = (uint32_t)n->tree_discs,
+					  .tree_nodes = (uint32_t)n->tree_nodes };
 	memcpy(o->why_coarser, n->why_coarser, sizeof o->why_coarser);
 	scene->records = (gw_records){ .count = n->records,
 								   .spacing = n->record_spacing,
@@ -333,7 +335,7 @@ static void list_leaves(list *l, gw_octree *o, const gw_transport_numbers *n)
 	device(l, "discs of surfels", &o->surfel_disc, surfels);
 	device(l, "edges of surfels", &o->surfel_clip, surfels);
 	device(l, "tree of large discs", &o->disc_tree,
-		   16 * gw_disc_tree_texels((uint32_t)n->tree_discs))
+		   16 * gw_disc_tree_texels((uint32_t)n->tree_discs, (uint32_t)n->tree_nodes))
 		->format = VK_FORMAT_R32G32B32A32_UINT;
 }
 

@@ -15,7 +15,7 @@ typedef struct gw_transport_numbers {
 	float spacing, leaf_size, record_radius, record_spacing;
 	uint64_t surfels, points;
 	uint64_t repaired[8]; /* gw_surfels.non_finite and following */
-	uint64_t tree_discs, strays;
+	uint64_t tree_discs, tree_nodes, strays;
 	uint32_t depth, directory_level, leaves, leaf_tiles, tiles, border_tiles, fragments;
 	uint32_t tile_first[GW_DEPTH_MAX + 2];
 	uint32_t records, block_level, block_count, block_tile_first, rays, ray_seed;

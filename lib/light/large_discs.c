@@ -158,7 +158,10 @@ gw_status gw_large_discs_find(const gw_lit_cloud *cloud, gw_large_discs *discs, 
 	*discs = (gw_large_discs){ 0 };
 	if (count == 0 || cloud->octree->leaf_count == 0 || RAYS_MOST / count < RAYS_LEAST)
 		return GW_OK;
-	gw_disc_tree tree = { .discs = count, .texels = (size_t)gw_disc_tree_texels(count) };
+	uint32_t nodes = cloud->octree->tree_nodes;
+	gw_disc_tree tree = { .discs = count,
+						  .nodes = nodes,
+						  .texels = (size_t)gw_disc_tree_texels(count, nodes) };
 	GW_TRY(gw_view_open(cloud->passes->gpu, &cloud->octree->disc_tree, 16 * (uint64_t)tree.texels,
 						&words, error));
 	/* The tree is only read. */

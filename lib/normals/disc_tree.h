@@ -4,12 +4,13 @@
  * The octree's leaves have one width; surface that is sampled much more coarsely than that lives
  * here. The tree knows nothing of octrees: lengths are in any unit, the same for discs and rays.
  *
- * It is one array of words in depth-first order, four to a texel, which disc_tree.glsl walks in one
- * loop without a stack: a node whose box is missed says where to go
- * on. Texel 0 is the header: the number of nodes. Then two texels a node: low corner of its box and
- * the node to go on with when it is missed; high corner and the first texel of its disc, or
- * GW_NONE for a node that has children, which come next. Then GW_DISC_TEXELS a disc: place and
- * radius; normal and facet; first clip and number; second clip and 0; bend and 0.
+ * It is one array of words, four to a texel, which disc_tree.glsl walks: from near to far, so that
+ * what lies behind a disc that is hit is not looked at. Texel 0 is the header: the numbers of nodes
+ * and of discs. Then GW_DISC_TEXELS a disc: place and radius; normal and facet; first clip and
+ * number; second clip and 0; bend and 0. Then GW_DISC_NODE_TEXELS a node, which has up to four
+ * children: their boxes, each texel one coordinate of all four, low and high x, y and z; and for
+ * each the number of a node, above its own, or GW_DISC_LEAF and the first texel of a disc, or
+ * GW_NONE.
  */
 #ifndef DISC_TREE_H
 #define DISC_TREE_H
@@ -42,13 +43,14 @@ typedef struct gw_disc_shape {
 gw_disc gw_disc_of_surfel(const gw_surfels *surfels, size_t surfel, const gw_disc_shape *shape);
 
 typedef struct gw_disc_tree {
-	uint32_t discs, nodes; /* 0: it is empty, and rays meet nothing */
+	uint32_t discs, nodes; /* 0: it is empty, and rays meet nothing; there are fewer nodes than
+							  discs, but of one disc one */
 	size_t texels;
 	uint32_t *word; /* 4 * texels; NULL when empty */
 } gw_disc_tree;
 
 /*
- * Builds a tree. Discs that lie near each other should have near numbers, as surfels do.
+ * Builds a tree.
  *   discs   count of them; no longer needed afterwards
  *   tree    on success to be cleared with gw_disc_tree_clear; empty on failure
  * Fails with GW_ERROR_MEMORY. The same discs give the same tree.
@@ -57,15 +59,16 @@ gw_status gw_disc_tree_build(const gw_disc *discs, size_t count, gw_disc_tree *t
 							 gw_error *error);
 void gw_disc_tree_clear(gw_disc_tree *tree);
 
-/* Texels of a tree of so many discs; 1 when there are none. */
-uint64_t gw_disc_tree_texels(uint32_t discs);
+/* Texels of such a tree; 1 when there are no discs. */
+uint64_t gw_disc_tree_texels(uint32_t discs, uint32_t nodes);
 
 /*
- * Whether words from a file are a tree of so many discs whose walk ends and stays within it.
- *   word    4 * gw_disc_tree_texels(discs)
+ * Whether words from a file are a tree of so many discs and nodes whose walk ends and stays within
+ * it.
+ *   word     4 * gw_disc_tree_texels(discs, nodes)
  *   facets   numbers of facets are below this
  */
-bool gw_disc_tree_fits(const uint32_t *word, uint32_t discs, uint64_t facets);
+bool gw_disc_tree_fits(const uint32_t *word, uint32_t discs, uint32_t nodes, uint64_t facets);
 
 /* One ray. */
 typedef struct gw_disc_ray {
@@ -86,9 +89,10 @@ typedef struct gw_disc_hit {
 
 /*
  * The nearest disc that the ray meets before t_max; where several lie about as near, as those of
- * one surface do, about the one whose centre is nearest. Within GW_DISC_NEAR of a disc's radii from
- * its start a ray meets the surface that it leaves: there backs of discs are not seen, and fronts
- * only of discs whose centre rises above that surface. Thread-safe.
+ * one surface do, about the one whose centre is nearest, and of equals the first. Within
+ * GW_DISC_NEAR of a disc's radii from its start a ray meets the surface that it leaves: there backs
+ * of discs are not seen, and fronts only of discs whose centre rises above that surface.
+ * Thread-safe.
  */
 #ifdef __cplusplus
 extern "C"

@@ -53,8 +53,8 @@ typedef struct gw_octree {
 	/* of both kinds */
 	uint32_t border_tile_count;
 	uint32_t fragment_count;
-	/* surfels whose disc is larger than leaves hold */
-	uint32_t tree_discs;
+	/* surfels whose disc is larger than leaves hold, and nodes of their tree */
+	uint32_t tree_discs, tree_nodes;
 	/* 0 where all is opaque; else 1 + a slot that no facet has, and which sends out nothing: what
 	 * rays find that are stopped by the back of a surface that others pass */
 	uint32_t dark_slot;

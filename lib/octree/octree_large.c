@@ -110,7 +110,8 @@ gw_status gw_octree_plant_discs(gw_octree_work *work, gw_error *error)
 	for (size_t i = 0; i < work->surfels->count; i++)
 		octree->tree_discs += gw_octree_disc_is_large(octree, work->surfels, i);
 	gw_status status = octree->tree_discs > 0 ? make_tree(work, &tree, error) : GW_OK;
-	uint64_t bytes = 16 * (uint64_t)(tree.texels > 0 ? tree.texels : 1);
+	octree->tree_nodes = tree.nodes;
+	uint64_t bytes = 16 * gw_disc_tree_texels(tree.discs, tree.nodes);
 	if (status == GW_OK)
 		status = gw_octree_buffer(work, VK_FORMAT_R32G32B32A32_UINT, bytes, "tree of large discs",
 								  &octree->disc_tree, error);

@@ -158,7 +158,7 @@ gw_status gw_octree_reduce_leaves(gw_octree_work *work, gw_error *error);
 /* The largest radius of discs that leaves hold, leaf cells; larger ones are in the tree. */
 float gw_octree_disc_most(const gw_surfels *surfels);
 
-/* tree_discs, disc_tree. */
+/* tree_discs, tree_nodes, disc_tree. */
 gw_status gw_octree_plant_discs(gw_octree_work *work, gw_error *error);
 
 #endif

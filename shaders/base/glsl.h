@@ -316,6 +316,47 @@ inline ivec3a clamp(ivec3a v, ivec3a low, ivec3a high)
 	return ivec3a((v.v & ~above & ~below) | (high.v & above) | (low.v & below));
 }
 
+/* A vec4 in one register. */
+struct vec4a {
+	typedef float lanes __attribute__((vector_size(16)));
+	lanes v;
+	vec4a() = default;
+	vec4a(lanes v) : v(v)
+	{
+	}
+	explicit vec4a(float all) : v{ all, all, all, all }
+	{
+	}
+	explicit vec4a(IN(vec4) v)
+	{
+		memcpy(&this->v, &v, sizeof this->v);
+	}
+	float operator[](int i) const
+	{
+		return v[i];
+	}
+};
+
+inline vec4a operator-(vec4a a, float b)
+{
+	return a.v - b;
+}
+
+inline vec4a operator*(vec4a a, float b)
+{
+	return a.v * b;
+}
+
+inline vec4a min(vec4a a, vec4a b)
+{
+	return a.v < b.v ? a.v : b.v;
+}
+
+inline vec4a max(vec4a a, vec4a b)
+{
+	return a.v > b.v ? a.v : b.v;
+}
+
 /* ----------------------------------------------------------------------------------- functions */
 
 inline float min(float a, float b)
@@ -508,9 +549,11 @@ inline vec3 uintBitsToFloat(uvec3 bits)
 	return vec3(uintBitsToFloat(bits.x), uintBitsToFloat(bits.y), uintBitsToFloat(bits.z));
 }
 
-inline vec4 uintBitsToFloat(uvec4 bits)
+inline vec4 uintBitsToFloat(IN(uvec4) bits)
 {
-	return vec4(uintBitsToFloat(bits.xyz), uintBitsToFloat(bits.w));
+	vec4 v;
+	memcpy(&v, &bits, sizeof v);
+	return v;
 }
 
 /* --------------------------------------------------------------------------------- texel buffers

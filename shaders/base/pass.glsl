@@ -7,7 +7,7 @@
  *   PUSH(type)                             the push-constant block, `push`
  *   CONSTANT(id, type, name, value)        a specialisation constant, and what it is without one
  *   IN(type), OUT(type), INOUT(type)       parameters: `in`, `out` and `inout` of GLSL
- *   vec3a, ivec3a                          a vec3 that C++ keeps in one register, without .x
+ *   vec3a, ivec3a, vec4a                   vectors that C++ keeps in one register, without .x
  */
 #ifndef PASS_GLSL
 #define PASS_GLSL
@@ -37,6 +37,7 @@
 #define INOUT(type) inout type
 #define vec3a vec3
 #define ivec3a ivec3
+#define vec4a vec4
 
 layout(local_size_x_id = 0) in;
 

@@ -22,14 +22,22 @@ struct DiscMeeting {
 	float yields;
 };
 
-/* Does the ray pass the box of a node before t? */
-bool meets_box(uvec4 low_texel, uvec4 high_texel, vec3 origin, vec3 inverse, float t)
+/* Where the ray enters and leaves the boxes of a node's children, from 0 to t; it misses those that
+ * it would leave before. */
+void pass_boxes(int node, vec3 origin, vec3 inverse, float t, OUT(vec4a) enter, OUT(vec4a) leave)
 {
-	vec3 a = (uintBitsToFloat(low_texel.xyz) - origin) * inverse;
-	vec3 b = (uintBitsToFloat(high_texel.xyz) - origin) * inverse;
-	vec3 near = min(a, b), far = max(a, b);
-	float enter = max(near.x, max(near.y, near.z)), leave = min(far.x, min(far.y, far.z));
-	return max(enter, 0.0f) <= min(leave, t);
+	vec4a a = (vec4a(uintBitsToFloat(texelFetch(disc_tree, node))) - origin.x) * inverse.x;
+	vec4a b = (vec4a(uintBitsToFloat(texelFetch(disc_tree, node + 1))) - origin.x) * inverse.x;
+	enter = max(min(a, b), vec4a(0.0f));
+	leave = min(max(a, b), vec4a(t));
+	a = (vec4a(uintBitsToFloat(texelFetch(disc_tree, node + 2))) - origin.y) * inverse.y;
+	b = (vec4a(uintBitsToFloat(texelFetch(disc_tree, node + 3))) - origin.y) * inverse.y;
+	enter = max(min(a, b), enter);
+	leave = min(max(a, b), leave);
+	a = (vec4a(uintBitsToFloat(texelFetch(disc_tree, node + 4))) - origin.z) * inverse.z;
+	b = (vec4a(uintBitsToFloat(texelFetch(disc_tree, node + 5))) - origin.z) * inverse.z;
+	enter = max(min(a, b), enter);
+	leave = min(max(a, b), leave);
 }
 
 /* The second derivative of a disc's height along two directions in its plane. */
@@ -98,31 +106,58 @@ void hit_disc(int disc, IN(Ray) ray, INOUT(DiscHit) hit)
 		if (!ray.both_sides)
 			return;
 	}
-	if (hit.disc != GW_NONE && m.yields >= hit.yields)
+	uint number = texelFetch(disc_tree, disc + 2).w;
+	if (hit.disc != GW_NONE &&
+		(m.yields > hit.yields || (m.yields == hit.yields && number > hit.disc)))
 		return;
 	hit.t = m.t;
 	hit.yields = m.yields;
 	hit.facet = facing.w;
-	hit.disc = texelFetch(disc_tree, disc + 2).w;
+	hit.disc = number;
 }
 
-/* The nearest disc that the ray meets before t_max; see gw_disc_tree_trace. */
+/* The nearest disc that the ray meets before t_max; see gw_disc_tree_trace. Of a node's children
+ * the one that the ray enters first comes next, and the others wait. */
 DiscHit trace_discs(IN(Ray) ray)
 {
 	DiscHit hit = { GW_NONE, GW_NONE, ray.t_max, ray.t_max, ray.t_max };
-	vec3 d = ray.direction;
-	vec3 inverse = vec3(inverse_of(d.x), inverse_of(d.y), inverse_of(d.z));
-	uint nodes = texelFetch(disc_tree, 0).x, at = 0u;
-	for (uint step = 0u; step < GW_DISC_STEPS && at < nodes; step++) {
-		uvec4 low = texelFetch(disc_tree, int(1u + 2u * at));
-		uvec4 high = texelFetch(disc_tree, int(2u + 2u * at));
-		if (!meets_box(low, high, ray.origin, inverse, hit.yields)) {
-			at = low.w;
-			continue;
+	vec3 d = ray.direction, inverse = vec3(inverse_of(d.x), inverse_of(d.y), inverse_of(d.z));
+	uvec4 header = texelFetch(disc_tree, 0);
+	int first = int(1u + GW_DISC_TEXELS * header.y);
+	uint waiting[GW_DISC_WAITING], count = 0u, at = header.x > 0u ? 0u : GW_NONE;
+	float waiting_enter[GW_DISC_WAITING];
+	for (uint step = 0u; step < GW_DISC_STEPS && at != GW_NONE; step++) {
+		int node = first + int(GW_DISC_NODE_TEXELS * at);
+		uvec4 children = texelFetch(disc_tree, node + 6);
+		vec4a enter, leave;
+		pass_boxes(node, ray.origin, inverse, hit.yields, enter, leave);
+		float nearest = GW_FAR;
+		at = GW_NONE;
+		for (int k = 0; k < 4; k++) {
+			uint child = children[k];
+			float from = enter[k];
+			if (!(from <= leave[k]))
+				continue;
+			if (child >= GW_DISC_LEAF) {
+				if (child != GW_NONE)
+					hit_disc(int(child - GW_DISC_LEAF), ray, hit);
+				continue;
+			}
+			bool nearer = at == GW_NONE || from < nearest;
+			uint other = nearer ? at : child;
+			float other_enter = nearer ? nearest : from;
+			at = nearer ? child : at;
+			nearest = nearer ? from : nearest;
+			if (other == GW_NONE || count == GW_DISC_WAITING)
+				continue;
+			waiting[count] = other;
+			waiting_enter[count] = other_enter;
+			count++;
 		}
-		at++;
-		if (high.w != GW_NONE)
-			hit_disc(int(high.w), ray, hit);
+		while (at == GW_NONE && count > 0u) {
+			count--;
+			at = waiting_enter[count] <= hit.yields ? waiting[count] : GW_NONE;
+		}
 	}
 	return hit;
 }

@@ -67,9 +67,15 @@
 /* Two cuts leave no less of a disc than this. */
 #define GW_SHARE_LEAST 0.05f
 
-/* Of a tree of discs: texels of a disc, and nodes that a ray visits, at most. */
+/* Of a tree of discs: texels of a disc and of a node; what says that a child is a disc; nodes that
+ * a ray visits, at most; levels of halving, and so levels of nodes, each of which leaves at most
+ * three children waiting. */
 #define GW_DISC_TEXELS 5u
+#define GW_DISC_NODE_TEXELS 7u
+#define GW_DISC_LEAF 0x80000000u
 #define GW_DISC_STEPS 16384u
+#define GW_DISC_HALVINGS 40u
+#define GW_DISC_WAITING 60u
 
 /* A ray meets a bent disc within this times its radius, squared, of its centre. */
 #define GW_DISC_REACH_SQUARED 1.1f
