@@ -16,12 +16,16 @@
 /* Radii by which a disc reaches beyond its rim and its cuts. */
 #define BEYOND 0.15f
 
+/* Of a cube, over its width. */
+#define DIAGONAL 1.7320508f
+
 typedef struct disc {
 	const float *place, *normal; /* leaf cells */
 	float radius;
 	float tangent[3], bitangent[3];
 	float cut[2][3]; /* direction and distance, leaf cells */
 	uint32_t level;  /* of its cells */
+	float reach;     /* beyond which none of the cells that it makes has its middle */
 } disc;
 
 static float dot(const float a[3], const float b[3])
@@ -38,26 +42,67 @@ static disc disc_of(const float *place, const float *normal, const float *size, 
 			   .cut = { { size[2], size[3], clip[0] }, { clip[1], clip[2], clip[3] } } };
 	int up = (int)floorf(log2f(fminf(d.radius, 1e6f)));
 	d.level = (uint32_t)up < depth ? depth - (uint32_t)up : 1;
+	d.reach = (1.0f + BEYOND) * d.radius + 0.5f * DIAGONAL * (float)(1u << (depth - d.level));
 	gw_tangent_frame(normal, d.tangent, d.bitangent);
 	return d;
 }
 
-/* Does a disc pass a cube, given its middle and half its width? */
-static bool passes(const disc *d, const float middle[3], float half)
+/* How the children of a node lie to a disc: by axis and side, since eight of them share these. */
+typedef struct children {
+	float half; /* of their width */
+	float low[3][2];
+	float off[3][2];    /* of their middles from the place */
+	float square[3][2]; /* of that */
+	float height[3][2]; /* what it adds to the height over the disc */
+	float reach_squared, height_most, beyond;
+} children;
+
+static children children_of(const disc *d, const float corner[3], float width)
 {
-	const float off[3] = { middle[0] - d->place[0], middle[1] - d->place[1],
-						   middle[2] - d->place[2] };
 	const float *n = d->normal;
-	float diagonal = 1.7320508f * half, beyond = BEYOND * d->radius + diagonal;
-	float reach = d->radius + beyond;
-	if (dot(off, off) > reach * reach ||
-		fabsf(dot(off, n)) > half * (fabsf(n[0]) + fabsf(n[1]) + fabsf(n[2])))
+	children c = { .half = 0.5f * width };
+	for (int k = 0; k < 3; k++)
+		for (int side = 0; side < 2; side++) {
+			c.low[k][side] = corner[k] + (side ? width : 0.0f);
+			c.off[k][side] = c.low[k][side] + c.half - d->place[k];
+			c.square[k][side] = c.off[k][side] * c.off[k][side];
+			c.height[k][side] = c.off[k][side] * n[k];
+		}
+	c.beyond = BEYOND * d->radius + DIAGONAL * c.half;
+	c.reach_squared = (d->radius + c.beyond) * (d->radius + c.beyond);
+	c.height_most = c.half * (fabsf(n[0]) + fabsf(n[1]) + fabsf(n[2]));
+	return c;
+}
+
+static float sum_of(const float part[3][2], const uint32_t side[3])
+{
+	return part[0][side[0]] + part[1][side[1]] + part[2][side[2]];
+}
+
+/* Does a disc pass a child? */
+static bool passes(const disc *d, const children *c, const uint32_t side[3])
+{
+	if (fabsf(sum_of(c->height, side)) > c->height_most ||
+		sum_of(c->square, side) > c->reach_squared)
 		return false;
+	const float off[3] = { c->off[0][side[0]], c->off[1][side[1]], c->off[2][side[2]] };
 	float u = dot(off, d->tangent), v = dot(off, d->bitangent);
 	for (int i = 0; i < 2; i++)
-		if (d->cut[i][0] * u + d->cut[i][1] * v - d->cut[i][2] > beyond)
+		if (d->cut[i][0] * u + d->cut[i][1] * v - d->cut[i][2] > c->beyond)
 			return false;
 	return true;
+}
+
+/* May a child hold cells that a disc makes? Of wide ones those that the disc passes, or nearly, are
+ * many more. */
+static bool holds_reach(const disc *d, const children *c, const uint32_t side[3])
+{
+	float squared = 0.0f;
+	for (int k = 0; k < 3; k++) {
+		float beyond = fmaxf(fabsf(c->off[k][side[k]]) - c->half, 0.0f);
+		squared += beyond * beyond;
+	}
+	return squared <= d->reach * d->reach;
 }
 
 static bool make_room(gw_walls *w)
@@ -120,15 +165,12 @@ static void wall_at(gw_walls *w, const disc *d, uint32_t level, uint32_t node,
 static void wall_below(gw_walls *w, const disc *d, uint32_t level, uint32_t tile,
 					   const float corner[3])
 {
-	float width = (float)(1u << (w->c->depth - level - 1));
+	const children c = children_of(d, corner, (float)(1u << (w->c->depth - level - 1)));
 	for (uint32_t octant = 0; octant < 8 && !w->failed; octant++) {
-		float low[3], middle[3];
-		for (int k = 0; k < 3; k++) {
-			low[k] = corner[k] + (octant >> k & 1u ? width : 0.0f);
-			middle[k] = low[k] + 0.5f * width;
-		}
-		if (!passes(d, middle, 0.5f * width))
+		const uint32_t side[3] = { octant & 1u, octant >> 1 & 1u, octant >> 2 };
+		if (!passes(d, &c, side) || (level + 1 < d->level && !holds_reach(d, &c, side)))
 			continue;
+		const float low[3] = { c.low[0][side[0]], c.low[1][side[1]], c.low[2][side[2]] };
 		if (level + 1 < w->c->depth)
 			wall_at(w, d, level + 1, 8 * tile + octant, low);
 		else if (w->necks)
