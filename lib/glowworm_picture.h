@@ -607,7 +607,7 @@ gw_octree_width gw_render_octree_width(const gw_render_octree *octree);
 /*
  * Where a bake with such an octree would gather light first.
  *   surfels    those that the octree was built of
- *   bake       of these record_spacing, least_records and seed
+ *   bake       of these record_spacing, least_records, seed and threads
  *   position   on success 3 * *count, metres in the surfels' local frame, for free(); NULL on
  * failure
  */

@@ -8,7 +8,7 @@
  *
  * Where a volume gathers, records only read it, and all of them do; its cells are few or many by
  * what lies in them, so all are lit, with few rays. Light that goes from cell to cell has none to
- * save, and maps of probes are made once, for the pilot and what follows.
+ * save. Compartments and maps of probes are made once, for the pilot and what follows.
  */
 #include "bake/forecast.h"
 
@@ -458,18 +458,27 @@ static gw_status foretell_lamps(pilot *p, double done, gw_forecast *f, gw_error 
 	return GW_OK;
 }
 
+/* What the bake needs as well, and then finds made. done: grows by the seconds that it took. */
+static gw_status make_what_stays(gw_lighting *lighting, double *done, gw_error *error)
+{
+	gw_scene *s = lighting->scene;
+	double start = gw_seconds();
+	if (lighting->plan.records)
+		GW_TRY(gw_scene_part_facets(s, error));
+	if (lighting->plan.records && s->options.method == GW_METHOD_PROBES)
+		GW_TRY(gw_scene_make_maps(s, error));
+	*done += gw_seconds() - start;
+	return GW_OK;
+}
+
 gw_status gw_forecast_make(gw_lighting *lighting, double done, gw_bake_result *plan,
 						   gw_bake_result *light, gw_error *error)
 {
 	gw_scene *s = lighting->scene;
 	gw_report *report = s->report;
 	gw_forecast *forecast = &report->forecast;
+	GW_TRY(make_what_stays(lighting, &done, error));
 	double start = gw_seconds();
-	if (lighting->plan.records && s->options.method == GW_METHOD_PROBES) {
-		GW_TRY(gw_scene_make_maps(s, error));
-		done += gw_seconds() - start;
-		start = gw_seconds();
-	}
 	pilot p = { .lighting = lighting,
 				.plan = plan,
 				.light = light,

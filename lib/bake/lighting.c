@@ -170,7 +170,7 @@ gw_status gw_lighting_direct(gw_lighting *lighting, gw_error *error)
 								 .lit = scene->region.lit,
 								 .asked = scene->region.asked,
 								 .closed = gw_scene_closed_space(scene) };
-	if (lighting->plan.shadows)
+	if (lighting->plan.shadows || lighting->plan.records) /* which find them later if not here */
 		GW_TRY(gw_scene_find_compartments(scene, error));
 	size_t lights = lighting->plan.lamps ? lighting->light_count : 0;
 	bool off = lights > 0 && lighting->whole == NULL && scene->surfels.shading_normal_off &&

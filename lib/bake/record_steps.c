@@ -58,8 +58,7 @@ static gw_status make_volume(gw_scene *scene, gw_error *error)
 {
 	const gw_record_context on = gw_scene_context(scene, &scene->records);
 	const gw_volume_wish wish = gw_scene_wish_volume(scene);
-	GW_TRY(gw_compartments_find(scene->gpu, &scene->surfels, scene->options.threads, &scene->octree,
-								error));
+	GW_TRY(gw_scene_part_facets(scene, error));
 	GW_TRY(scene->options.method == GW_METHOD_LPV
 			   ? make_propagation(scene, error)
 			   : gw_radiance_volume_make(&on, &wish, &scene->volume, error));
@@ -93,10 +92,17 @@ static gw_status make_pools(gw_scene *scene, gw_error *error)
 	return GW_OK;
 }
 
+gw_status gw_scene_part_facets(gw_scene *scene, gw_error *error)
+{
+	return gw_compartments_find(scene->gpu, &scene->surfels, scene->options.threads, &scene->octree,
+								error);
+}
+
 gw_status gw_scene_place_records(gw_scene *scene, gw_error *error)
 {
 	const gw_record_context on = gw_scene_context(scene, &scene->records);
 	const gw_record_wish wish = gw_scene_wish_records(scene, &scene->options);
+	GW_TRY(gw_scene_part_facets(scene, error));
 	if (scene->region.asked) {
 		GW_TRY(gw_region_place_records(scene, error));
 		gw_scene_report_records(scene);
@@ -169,7 +175,9 @@ gw_status gw_scene_keep_hits(gw_scene *scene, gw_kept_hits *kept, gw_error *erro
 	const gw_record_context on = gw_scene_context(scene, &scene->records);
 	const gw_bake_options *o = &scene->options;
 	const gw_record_wish wish = gw_scene_wish_records(scene, o);
-	gw_status status = gw_records_place(&on, &wish, error);
+	gw_status status = gw_scene_part_facets(scene, error);
+	if (status == GW_OK)
+		status = gw_records_place(&on, &wish, error);
 	if (status == GW_OK) { /* each frame gets what stands still got, so that its light keeps */
 		scene->options.record_spacing = scene->records.spacing;
 		scene->options.least_records = 0;

@@ -6,6 +6,14 @@
 
 #include "bake/scene.h"
 
+/*
+ * Finds the compartments of the octree, unless they are known, so that each facet has the area and
+ * the emission of its own compartment alone (octree/compartment_facets.c). Records are placed by
+ * these areas: only then do they stand at the same places whatever came before, such as a lamp's
+ * shadows, a forecast or another lighting.
+ */
+gw_status gw_scene_part_facets(gw_scene *scene, gw_error *error);
+
 /* Places the records, finds what they see, and which of them light each facet and each surfel. */
 gw_status gw_scene_place_records(gw_scene *scene, gw_error *error);
 

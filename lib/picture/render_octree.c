@@ -157,7 +157,9 @@ gw_status gw_render_octree_records(gw_render_octree *o, const gw_surfels *surfel
 	float *cell = NULL;
 	*position = NULL;
 	*count = 0;
-	gw_status status = gw_records_place(&on, &wish, error);
+	gw_status status = gw_compartments_find(o->gpu, surfels, bake->threads, &o->octree, error);
+	if (status == GW_OK)
+		status = gw_records_place(&on, &wish, error);
 	if (status == GW_OK) {
 		cell = gw_allocate_array(records.count, 4 * sizeof *cell);
 		*position = gw_allocate_array(records.count, 3 * sizeof **position);

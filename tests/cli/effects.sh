@@ -1,4 +1,5 @@
 # Effects that are chosen, forced and forbidden; what a plan says; and sentences for what can't be.
+. "$SOURCE/tests/cli/shared_functions"
 ${LOOK_FOR_DEVICE:-glowworm info --devices} >/dev/null 2>&1 ||
 	{ echo "there is no Vulkan device"; exit 77; }
 {
@@ -36,6 +37,17 @@ grep -c '^foretold\|^came' explained.txt
 lit --light "$lamp" --effects=-bounces >direct.txt
 lit --light "$lamp" --bounces 1 | cmp - direct.txt && echo "as one bounce"
 cmp -s direct.txt plain.txt || echo "other than with bounces"
+# Also where what is foretold finds out what surface keeps apart, by which records are placed: in a
+# cave whose light comes from the sky and from what glows.
+make_cave --points 1000 -o cave.ply
+in_cave() {
+	glowworm bake cave.ply --light 'sky radiance 1' --strays keep --rays 8 -f -o lit.ply "$@" \
+		>/dev/null 2>&1
+	body lit.ply
+}
+for how in '--method rays' '--method volume' '--max-error 0.5'; do
+	[ "$(in_cave $how)" = "$(in_cave $how --explain)" ] && echo "same: explained cave, $how"
+done
 # Where the surface is in doubt, half of the points will be baked: the error that is foretold has
 # what they may add, and what came says how much of it is by them.
 sed -n '/end_header/,$p' corner.ply | awk 'NR > 1 { off = 0.04 * (NR * 37 % 23 / 23 - 0.5)

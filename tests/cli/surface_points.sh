@@ -30,6 +30,14 @@ surface some.json 10000 59000
 sed -nE 's/^came .* ([0-9]+) MB of the host.*/\1/p' said.txt |
 	awk '{ print ($1 < 273) ? "below" : $1 }'
 glowworm plan box.ply --memory 260M 2>&1 | grep -c 'half of the points baked'
+# What is explained is the same light, also where surface keeps something apart.
+make_cave --points 6000 -o cave.ply
+in_cave() {
+	bake cave.ply --surface-points 3000 --light 'sky radiance 1' --strays keep -o lit.ply "$@" \
+		>/dev/null 2>&1
+	body lit.ply
+}
+[ "$(in_cave)" = "$(in_cave --explain)" ] && echo "explained: the same"
 # What is of all points is refused, and what no bake is.
 bake box.ply -q --surface-points 6000 --save-transport t.gwt -o t.ply
 bake box.ply -q --surface-points 6000 --region 'camera at 0.5,0.5,0.5 to 1,0.5,0.5 fov 40' -o t.ply
