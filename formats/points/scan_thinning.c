@@ -31,19 +31,26 @@
 /* Columns by which points are told apart. */
 typedef struct views {
 	const scan_column *place[3], *normal[3]; /* NULL: has none */
+	scan_column *emission[3];                /* likewise, or holds no fractions */
 } views;
 
 static bool find_views(const scan *cloud, views *v)
 {
 	static const char *const place[3] = { "x", "y", "z" }, *const normal[3] = { "nx", "ny", "nz" };
-	bool placed = true;
+	static const char *const emission[3] = { "emission_r", "emission_g", "emission_b" };
+	bool placed = true, emits = true;
 	for (int k = 0; k < 3; k++) {
 		v->place[k] = scan_find(cloud, place[k]);
 		v->normal[k] = scan_find(cloud, normal[k]);
+		v->emission[k] = scan_find(cloud, emission[k]);
 		placed = placed && v->place[k];
+		emits = emits && v->emission[k] &&
+				(v->emission[k]->type == SCAN_FLOAT32 || v->emission[k]->type == SCAN_FLOAT64);
 	}
 	if (!v->normal[0] || !v->normal[1] || !v->normal[2])
 		v->normal[0] = NULL;
+	if (!emits)
+		v->emission[0] = NULL;
 	return placed;
 }
 
@@ -107,7 +114,7 @@ static gw_status no_memory(const scan_thinning *t, gw_error *error)
 }
 
 /* Room for the columns of the first part, and what else it says. */
-static gw_status open_kept(scan_thinning *t, const scan *part, gw_error *error)
+static gw_status open_kept(scan_thinning *t, const scan *part, const views *v, gw_error *error)
 {
 	t->kept = (scan){ .count = t->most,
 					  .up = part->up,
@@ -129,7 +136,9 @@ static gw_status open_kept(scan_thinning *t, const scan *part, gw_error *error)
 	t->wider = reallocarray(NULL, t->most, sizeof *t->wider);
 	t->from = calloc(t->most, sizeof *t->from);
 	t->slot = calloc(t->mask + 1, sizeof *t->slot);
-	return t->cube && t->rank && t->wider && t->from && t->slot ? GW_OK : no_memory(t, error);
+	t->emitted = v->emission[0] ? reallocarray(NULL, t->most, sizeof *t->emitted) : NULL;
+	bool good = t->cube && t->rank && t->wider && t->from && t->slot;
+	return good && (t->emitted || !v->emission[0]) ? GW_OK : no_memory(t, error);
 }
 
 static gw_status check_columns(const scan_thinning *t, const scan *part, gw_error *error)
@@ -157,11 +166,32 @@ static size_t offer(scan_thinning *t, uint64_t cube, uint64_t rank)
 	size_t row = *slot ? *slot - 1 : t->kept.count;
 	if (*slot && t->rank[row] <= rank)
 		return t->most;
+	if (!*slot && t->emitted)
+		t->emitted[row] = (scan_thinning_sum){ .points = 0.0 };
 	t->kept.count += !*slot;
 	*slot = (uint32_t)row + 1;
 	t->cube[row] = cube;
 	t->rank[row] = rank;
 	return row;
+}
+
+/* Adds to what the cube of a point emits, once it was offered. */
+static void add_emission(scan_thinning *t, uint64_t cube, const scan_thinning_sum *more)
+{
+	scan_thinning_sum *sum = &t->emitted[*slot_of(t, cube) - 1];
+	for (int k = 0; k < 3; k++)
+		sum->emission[k] += more->emission[k];
+	sum->points += more->points;
+}
+
+static scan_thinning_sum emission_of(const views *v, size_t i)
+{
+	scan_thinning_sum own = { .points = 1.0 };
+	for (int k = 0; k < 3; k++) {
+		double value = scan_value(v->emission[k], i);
+		own.emission[k] = isfinite(value) && value > 0.0 ? value : 0.0;
+	}
+	return own;
 }
 
 static void copy_value(void *to, size_t row, const void *from, size_t i, size_t size)
@@ -220,7 +250,10 @@ static void widen(scan_thinning *t)
 	t->kept.count = 0;
 	for (size_t i = 0; i < count; i++) {
 		__builtin_prefetch(&t->slot[t->wider[i + AHEAD < count ? i + AHEAD : i] & t->mask]);
+		const scan_thinning_sum own = t->emitted ? t->emitted[i] : (scan_thinning_sum){ 0 };
 		size_t row = offer(t, t->wider[i], t->rank[i]);
+		if (t->emitted)
+			add_emission(t, t->wider[i], &own);
 		if (row < t->most)
 			t->from[row] = (uint32_t)i + 1;
 	}
@@ -294,8 +327,8 @@ static void find_cubes(const looking *job, size_t first, size_t last)
 	const scan_thinning_part *p = &t->part;
 	double place[3];
 	for (size_t i = first; i < last; i++) {
-		p->wanted[i] = get_place(job->v, i, place);
-		if (!p->wanted[i])
+		p->placed[i] = p->wanted[i] = get_place(job->v, i, place);
+		if (!p->placed[i])
 			continue;
 		p->rank[i] = rank_of(place);
 		p->cube[i] = cube_of(job->v, i, place, t->width);
@@ -352,6 +385,10 @@ static size_t take_points(looking *job, size_t first)
 		if (p->wanted[next])
 			__builtin_prefetch(&t->slot[p->cube[next] & t->mask]);
 		size_t row = p->wanted[i] ? offer(t, p->cube[i], p->rank[i]) : t->most;
+		if (t->emitted && p->placed[i]) {
+			const scan_thinning_sum own = emission_of(job->v, i);
+			add_emission(t, p->cube[i], &own);
+		}
 		if (row == t->most)
 			continue;
 		if (!t->from[row])
@@ -366,6 +403,7 @@ static void clear_part(scan_thinning_part *p)
 {
 	free(p->cube);
 	free(p->rank);
+	free(p->placed);
 	free(p->wanted);
 	free(p->row);
 	*p = (scan_thinning_part){ .room = 0 };
@@ -380,9 +418,11 @@ static gw_status make_room(scan_thinning *t, size_t count, gw_error *error)
 	p->room = count;
 	p->cube = reallocarray(NULL, count, sizeof *p->cube);
 	p->rank = reallocarray(NULL, count, sizeof *p->rank);
+	p->placed = malloc(count);
 	p->wanted = malloc(count);
 	p->row = reallocarray(NULL, count, sizeof *p->row);
-	return p->cube && p->rank && p->wanted && p->row ? GW_OK : no_memory(t, error);
+	bool good = p->cube && p->rank && p->placed && p->wanted && p->row;
+	return good ? GW_OK : no_memory(t, error);
 }
 
 scan_thinning scan_thinning_begin(size_t most, uint32_t threads)
@@ -397,7 +437,7 @@ gw_status scan_thinning_add(scan_thinning *t, const scan *part, gw_error *error)
 	if (!find_views(part, &v))
 		return gw_fail(error, GW_ERROR_DATA, "points need x, y and z");
 	if (!t->slot)
-		GW_TRY(open_kept(t, part, error));
+		GW_TRY(open_kept(t, part, &v, error));
 	GW_TRY(check_columns(t, part, error));
 	GW_TRY(make_room(t, part->count, error));
 	if (!(t->width > 0.0))
@@ -410,8 +450,19 @@ gw_status scan_thinning_add(scan_thinning *t, const scan *part, gw_error *error)
 	return GW_OK;
 }
 
+/* Of points that are kept: what their cubes emit. */
+static void take_emission(scan_thinning *t)
+{
+	views v;
+	find_views(&t->kept, &v);
+	for (size_t row = 0; t->emitted && row < t->kept.count; row++)
+		for (int k = 0; k < 3; k++)
+			scan_store(v.emission[k], row, t->emitted[row].emission[k] / t->emitted[row].points);
+}
+
 void scan_thinning_take(scan_thinning *t, scan *cloud)
 {
+	take_emission(t);
 	*cloud = t->kept;
 	t->kept = (scan){ 0 };
 	for (size_t c = 0; c < cloud->column_count; c++) {
@@ -430,6 +481,7 @@ void scan_thinning_clear(scan_thinning *t)
 	free(t->wider);
 	free(t->from);
 	free(t->slot);
+	free(t->emitted);
 	clear_part(&t->part);
 	*t = (scan_thinning){ .most = t->most, .threads = t->threads };
 }

@@ -8,6 +8,11 @@
  * extent nor the number of the points has to be known. Points whose place is not finite are left
  * out. What is kept is the same by any number of threads: these look which points may be kept, and
  * one after the other those are.
+ *
+ * A point that is kept has all that it had in the scan, but for emission_r and its fellows where
+ * these are fractions: these become the mean of all points of its cube, so that as much is emitted
+ * as before. A lamp of a few points would else be lost, or be as large as a cube. Its albedo is
+ * that of one point of many hundred that together light another one, which is no matter.
  */
 #ifndef SCAN_THINNING_H
 #define SCAN_THINNING_H
@@ -19,10 +24,16 @@ typedef struct scan_thinning_part {
 	size_t room;     /* points that there is room for */
 	uint64_t *cube;  /* of each point */
 	uint64_t *rank;  /* likewise */
-	uint8_t *wanted; /* 0: no place, or a point that is kept goes before it */
+	uint8_t *placed; /* 0: no place */
+	uint8_t *wanted; /* 0: likewise, or a point that is kept goes before it */
 	uint32_t *row;   /* rows that get a point of the part */
 	size_t rows;
 } scan_thinning_part;
+
+/* Emission of all points of a cube. */
+typedef struct scan_thinning_sum {
+	double emission[3], points;
+} scan_thinning_sum;
 
 typedef struct scan_thinning {
 	size_t most;      /* points to be kept, 1 or more; from a half of them on is usual */
@@ -36,6 +47,7 @@ typedef struct scan_thinning {
 	uint32_t *from;  /* likewise: 0, or 1 + the point that it is to become */
 	uint64_t mask;   /* of the table: */
 	uint32_t *slot;  /* 0: free; or 1 + the number of a point that is kept */
+	scan_thinning_sum *emitted; /* one a point that is kept, of its cube; NULL: nothing emits */
 	scan_thinning_part part;
 } scan_thinning;
 

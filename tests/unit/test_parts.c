@@ -215,6 +215,75 @@ static void sheets_are_kept(void **state)
 	scan_clear(&cloud);
 }
 
+/* A square of 200 by 200 points a centimetre apart, of which 3 by 3 amid it emit a thousand, and
+ * all others nothing, or all the same; points without place, or with an emission that cannot be,
+ * add none. */
+static scan lamp_square(bool even)
+{
+	static const char *const name[] = { "emission_r", "emission_g", "emission_b" };
+	scan cloud = { .count = 200 * 200, .up = 'z' };
+	const scan_type type[] = { SCAN_FLOAT32, SCAN_FLOAT64, SCAN_FLOAT32 };
+	scan_column *x = add(&cloud, "x", SCAN_FLOAT64), *emission[3];
+	for (size_t i = 0; i < cloud.count; i++)
+		scan_store(x, i, 0.01 * (double)(i % 200));
+	scan_column *y = add(&cloud, "y", SCAN_FLOAT64), *z = add(&cloud, "z", SCAN_FLOAT32);
+	for (size_t i = 0; i < cloud.count; i++) {
+		scan_store(y, i, 0.01 * (double)(i / 200));
+		scan_store(z, i, 1.0);
+	}
+	for (size_t k = 0; k < 3; k++) {
+		emission[k] = add(&cloud, name[k], type[k]);
+		for (size_t i = 0; i < cloud.count; i++)
+			scan_store(emission[k], i,
+					   even || (i % 200 / 3 == 33 && i / 200 / 3 == 33) ? 1000.0 / (1.0 + (double)k)
+																		: 0.0);
+	}
+	scan_store(emission[1], 7, -5.0);
+	scan_store(emission[2], 8, NAN);
+	scan_store(scan_find(&cloud, "x"), 9, NAN);
+	scan_store(emission[0], 9, 1e6);
+	return cloud;
+}
+
+static double sum_of(const scan *cloud, const char *column)
+{
+	double sum = 0.0;
+	for (size_t i = 0; i < cloud->count; i++)
+		sum += scan_value(scan_find(cloud, column), i);
+	return sum;
+}
+
+/* What emits keeps its power, however few points are kept, by parts and threads as they come: the
+ * lamp is smaller than a cube of 100 points and more, so that its points count 9 among as many as
+ * there are in its cubes. Cubes are some number of points wide or one more, 10 and more; and
+ * those of the last row and column may be cut to nothing, so that the mean cube is less than those
+ * of the lamp. */
+static void emission_is_that_of_all(void **state)
+{
+	(void)state;
+	scan lamp = lamp_square(false), even = lamp_square(true);
+	for (size_t most = 50; most <= 400; most *= 2) {
+		scan kept = kept_by(1, &lamp, most, 9000), again = kept_by(3, &lamp, most, 9000);
+		double stands_for = (double)lamp.count / (double)kept.count;
+		double cut = 1.0 + 1.0 / (sqrt((double)kept.count) - 1.0), off = 1.1 * cut * 1.1 * cut;
+		assert_true(stands_for >= 100.0);
+		for (int k = 0; k < 3; k++) {
+			static const char *const name[] = { "emission_r", "emission_g", "emission_b" };
+			double power = sum_of(&kept, name[k]) * stands_for, all = 9000.0 / (1.0 + k);
+			assert_true(power < off * all && power > all / off);
+			assert_true(sum_of(&again, name[k]) == sum_of(&kept, name[k]));
+		}
+		scan_clear(&again);
+		scan_clear(&kept);
+		kept = kept_of(&even, most, 5000);
+		for (size_t i = 0; i < kept.count; i++)
+			assert_true(scan_value(scan_find(&kept, "emission_r"), i) == 1000.0);
+		scan_clear(&kept);
+	}
+	scan_clear(&even);
+	scan_clear(&lamp);
+}
+
 static void columns_must_agree(void **state)
 {
 	(void)state;
@@ -422,12 +491,12 @@ static void told_by_all(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(thinned_evenly),        cmocka_unit_test(parts_are_no_matter),
-		cmocka_unit_test(threads_are_no_matter), cmocka_unit_test(kept_points_stay),
-		cmocka_unit_test(far_and_nowhere),       cmocka_unit_test(sheets_are_kept),
-		cmocka_unit_test(columns_must_agree),    cmocka_unit_test(files_in_parts),
-		cmocka_unit_test(las_in_parts),          cmocka_unit_test(files_not_in_parts),
-		cmocka_unit_test(told_by_all),
+		cmocka_unit_test(thinned_evenly),          cmocka_unit_test(parts_are_no_matter),
+		cmocka_unit_test(threads_are_no_matter),   cmocka_unit_test(kept_points_stay),
+		cmocka_unit_test(far_and_nowhere),         cmocka_unit_test(sheets_are_kept),
+		cmocka_unit_test(emission_is_that_of_all), cmocka_unit_test(columns_must_agree),
+		cmocka_unit_test(files_in_parts),          cmocka_unit_test(las_in_parts),
+		cmocka_unit_test(files_not_in_parts),      cmocka_unit_test(told_by_all),
 	};
 	return cmocka_run_group_tests(tests, enter_folder, leave_folder);
 }
