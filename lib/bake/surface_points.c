@@ -3,6 +3,7 @@
  */
 #include "bake/surface_points.h"
 
+#include "bake/surface_owners.h"
 #include "base/hash.h"
 #include "base/memory.h"
 #include "cloud/bulk_bounds.h"
@@ -72,6 +73,11 @@ size_t gw_surface_points_next(size_t tried, double error, double wanted, size_t 
 			break;
 	}
 	return next <= most / STEP ? next : most;
+}
+
+static gw_status no_memory(const gw_points *points, gw_error *error)
+{
+	return gw_fail(error, GW_ERROR_MEMORY, "no memory to thin %zu points", points->count);
 }
 
 /* ------------------------------------------------------------------------------------- a grid */
@@ -153,7 +159,7 @@ static gw_status find_width(grid *g, double wanted, uint32_t threads, gw_error *
 	counting c = { .grid = g, .mask = power_of_two((uint64_t)(16.0 * wanted)) - 1 };
 	c.bits = gw_allocate_array((c.mask + 1) / 64, sizeof *c.bits);
 	if (!c.bits)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory to thin %zu points", g->points->count);
+		return no_memory(g->points, error);
 	gw_finite_bounds(g->points, low, high);
 	gw_bulk_bounds(g->points, low, high);
 	for (size_t k = 0; k < 3; k++)
@@ -243,7 +249,7 @@ static bool take_from_cubes(const grid *g, cube_table *t, uint8_t *taken)
 	return true;
 }
 
-/* ------------------------------------------------------------------------------ means of cubes */
+/* ----------------------------------------------------------------- means of those stood for */
 
 enum { ALBEDO = 0, EMISSION = 3, OPACITY = 6, MEANS = 7 };
 
@@ -274,22 +280,18 @@ static void set_point(gw_point_subset *s, size_t k, const double sum[MEANS], dou
 		s->opacity[k] = (float)(sum[OPACITY] / points);
 }
 
-/* Gives the points that were taken the means of their cubes. */
-static bool take_means(const grid *g, cube_table *t, gw_point_subset *surface)
+/* Gives the points that were taken the means of those that they stand for. */
+static bool take_means(const gw_points *all, const uint32_t *owner, gw_point_subset *surface)
 {
 	size_t count = surface->points.count;
 	double(*sum)[MEANS] = gw_allocate_zeros(count + 1, sizeof *sum);
 	uint32_t *points = gw_allocate_zeros(count + 1, sizeof *points);
 	bool good = sum && points;
-	for (size_t k = 0; k < count && good; k++)
-		if (g->loose[surface->from[k]])
-			t->point[slot_of(t, cube_of(g, surface->from[k]))] = k;
-	for (size_t i = 0; i < g->points->count && good; i++) {
-		if (!g->loose[i])
+	for (size_t i = 0; i < all->count && good; i++) {
+		if (owner[i] == GW_OWNER_NONE)
 			continue;
-		size_t k = t->point[slot_of(t, cube_of(g, i))];
-		add_point(g->points, i, sum[k]);
-		points[k]++;
+		add_point(all, i, sum[owner[i]]);
+		points[owner[i]]++;
 	}
 	for (size_t k = 0; k < count && good; k++)
 		if (points[k] > 0)
@@ -299,16 +301,42 @@ static bool take_means(const grid *g, cube_table *t, gw_point_subset *surface)
 	return good;
 }
 
-/* ------------------------------------------------------------------------------------ choosing */
-
-/* Whether a point that is no cell of an image may be one of the surface. */
-static bool may_be_surface(const gw_points *p, size_t i)
+/* Whether any of them emits. */
+static bool emit(const gw_points *points)
 {
-	const double *at = p->position + 3 * i;
-	bool stray = p->stray && p->stray[i] && !p->keep_strays;
-	return isfinite(at[0]) && isfinite(at[1]) && isfinite(at[2]) && !stray &&
-		   !(p->opacity && !(p->opacity[i] > 0.0f));
+	bool any = false;
+	for (size_t i = 0; points->emission && i < 3 * points->count && !any; i++)
+		any = points->emission[i] > 0.0f && isfinite(points->emission[i]);
+	return any;
 }
+
+/* Those of their cubes; none stands for others of an image. */
+static void own_cubes(const grid *g, cube_table *t, const gw_point_subset *surface, uint32_t *owner)
+{
+	for (size_t k = 0; k < surface->points.count; k++)
+		if (g->loose[surface->from[k]])
+			t->point[slot_of(t, cube_of(g, surface->from[k]))] = k;
+	for (size_t i = 0; i < g->points->count; i++)
+		owner[i] = g->loose[i] ? (uint32_t)t->point[slot_of(t, cube_of(g, i))] : GW_OWNER_NONE;
+}
+
+/* To look for the nearest takes as long as to light the points beside them, so it is done where
+ * something emits alone. */
+static gw_status stand_for_others(const grid *g, cube_table *t, uint32_t threads,
+								  gw_point_subset *surface, gw_error *error)
+{
+	uint32_t *owner = gw_allocate_array(g->points->count, sizeof *owner);
+	gw_status status = GW_OK;
+	if (owner && emit(g->points))
+		status = gw_owners_find(g->points, surface, threads, owner, error);
+	else if (owner)
+		own_cubes(g, t, surface, owner);
+	bool good = owner && (status != GW_OK || take_means(g->points, owner, surface));
+	free(owner);
+	return good ? status : no_memory(g->points, error);
+}
+
+/* ------------------------------------------------------------------------------------ choosing */
 
 /* Marks points for cubes, and counts them and those of images. */
 static void sort_out(const gw_points *points, uint8_t *loose, size_t *in_cubes, size_t *in_images)
@@ -317,7 +345,7 @@ static void sort_out(const gw_points *points, uint8_t *loose, size_t *in_cubes, 
 	*in_cubes = *in_images = 0;
 	for (size_t i = 0; i < points->count; i++) {
 		bool pictured = gw_point_subset_image_of(points, i, &image) != NULL;
-		loose[i] = !pictured && may_be_surface(points, i);
+		loose[i] = !pictured && gw_owners_may_have(points, i);
 		*in_cubes += loose[i];
 		*in_images += pictured;
 	}
@@ -360,14 +388,12 @@ static gw_status choose(grid *g, uint8_t *taken, const surface_wish *wish, gw_po
 	if (good)
 		status = gw_point_subset_make(points, &choice, surface, error);
 	if (good && status == GW_OK)
-		good = take_means(g, &t, surface);
+		status = stand_for_others(g, &t, wish->threads, surface, error);
 	if (good && status == GW_OK)
 		widen_things(surface, &choice);
 	free(t.cube);
 	free(t.point);
-	return status != GW_OK || good
-			   ? status
-			   : gw_fail(error, GW_ERROR_MEMORY, "no memory to thin %zu points", points->count);
+	return status != GW_OK || good ? status : no_memory(points, error);
 }
 
 gw_status gw_surface_points_choose(const gw_points *points, size_t most, uint32_t threads,
@@ -377,9 +403,8 @@ gw_status gw_surface_points_choose(const gw_points *points, size_t most, uint32_
 	grid g = { .points = points, .loose = gw_allocate_zeros(points->count, 1) };
 	uint8_t *taken = gw_allocate_zeros(points->count, 1);
 	*surface = (gw_point_subset){ .from = NULL };
-	gw_status status = g.loose && taken ? choose(&g, taken, &wish, surface, error)
-										: gw_fail(error, GW_ERROR_MEMORY,
-												  "no memory to thin %zu points", points->count);
+	gw_status status =
+		g.loose && taken ? choose(&g, taken, &wish, surface, error) : no_memory(points, error);
 	free(g.loose);
 	free(taken);
 	return status;

@@ -10,8 +10,11 @@
  * of each cube of a grid that is as fine as the number allows, or one of those in it that face the
  * same of its sides, so that those are thinned most that are densest: what stands beside a scanner,
  * and where scans overlap. Which it is, a hash of their places says, whatever their order; the one
- * nearest to the middle would follow the grid, not the surface. It takes the mean albedo, emission
- * and opacity of all that it stands for, so that as much is emitted and reflected as before.
+ * nearest to the middle would follow the grid, not the surface.
+ *
+ * Each takes the mean albedo, emission and opacity of all that it stands for, so that as much is
+ * emitted and reflected as before: of those in its cube or, where something emits, of those that it
+ * is the nearest of (surface_owners.h), in rows and columns as well.
  */
 #ifndef SURFACE_POINTS_H
 #define SURFACE_POINTS_H
