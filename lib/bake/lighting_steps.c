@@ -287,7 +287,7 @@ static gw_status sample_patches(gw_scene *s, const gw_emitters *patches, const g
 {
 	const gw_record_context on = gw_scene_context(s, &s->records);
 	const float black[3] = { 0 };
-	bool rays = s->options.method == GW_METHOD_RAYS;
+	bool rays = gw_method_keeps_hits(s->options.method);
 	const gw_sampled_sources sources = { .emitters = patches,
 										 .part = part,
 										 .samples = (s->options.light_samples + 1) / 2,

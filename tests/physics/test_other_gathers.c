@@ -141,6 +141,30 @@ static void glowing_sphere(void **state)
 	scene_clear(&s);
 }
 
+/* A lamp beside the wall of a sphere lights a small part of it, which is sampled as what emits is.
+ * Whatever lies where in a sphere, each place gets as much from all that it reflects: the mean of
+ * what came from the lamp, times albedo / (1 - albedo). */
+static void lit_patch(void **state)
+{
+	const float albedo = 0.5f;
+	const gw_light lamp = scene_point_light(0.0, 0.0, 0.92, 1.0f);
+	scene s = { 0 };
+	(void)state;
+	scene_add_sphere(&s, (double[3]){ 0, 0, 0 }, 1.0, 6000, -1, albedo);
+	gw_points points = scene_points(&s);
+	gw_bake_options options = options_of(GW_METHOD_PROBES);
+	gw_bake_result *result = scene_bake(&points, &lamp, 1, &options);
+	double direct = scene_mean(result->direct_irradiance, result->count, 0);
+	double indirect = scene_mean(result->indirect_irradiance, result->count, 0);
+	/* Samples, 32 for each of 1250 records and more, differ by no more than their mean: three times
+	 * what is left of that in the mean of all; and the bounces end within their tolerance. */
+	assert_near("lit patch", indirect, direct * (double)albedo / (1.0 - (double)albedo),
+				direct * (3.0 / sqrt(32.0 * 1250.0) + 2.0 * (double)options.tolerance));
+	assert_bounces_fade(&result->report);
+	gw_bake_result_destroy(&result);
+	scene_clear(&s);
+}
+
 /* A floor under an even sky: no probe sees anything above it, so that all rays leave. There is no
  * free space within its bounds, and probes stand over it. */
 static void sky_over_floor(void **state)
@@ -184,7 +208,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(glowing_cube),   cmocka_unit_test(dark_room),
 		cmocka_unit_test(glowing_sphere), cmocka_unit_test(sky_over_floor),
-		cmocka_unit_test(same_bytes),
+		cmocka_unit_test(lit_patch),      cmocka_unit_test(same_bytes),
 	};
 	return cmocka_run_group_tests_name("other gathers", tests, NULL, NULL);
 }
