@@ -881,6 +881,12 @@ gw_status bake_report_goal(const bake_facts *f, gw_error *error)
 	missed_text(f, why, sizeof why);
 	if (r->round_count > 0) /* of tiles each has its own */
 		snprintf(rounds, sizeof rounds, " after %" PRIu32 " rounds", r->round_count);
+	if (r->missed && r->error.points == 0 &&
+		r->error.relative_rms <= (double)f->settings->bake.max_error)
+		return gw_fail(error, STATUS_MISSED,
+					   "no point could be solved again, so that nothing says whether the error is "
+					   "%.3g %%; what is known of it is %s%s",
+					   100.0 * (double)f->settings->bake.max_error, text, why);
 	if (r->missed)
 		return gw_fail(error, STATUS_MISSED, "the estimated error is %s%s, not %.3g %%: %s%s", text,
 					   rounds, 100.0 * (double)f->settings->bake.max_error, end[r->goal], why);
