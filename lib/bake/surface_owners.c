@@ -96,7 +96,7 @@ static uint32_t choose(const search *s, size_t point, const int *found, size_t c
 
 static bool look_up(const search *s, const size_t *point, const float *query, size_t count)
 {
-	size_t around = s->rows < AROUND ? s->rows : AROUND;
+	size_t most = s->points->normal ? AROUND : 1, around = s->rows < most ? s->rows : most;
 	int found[AROUND * QUERIES];
 	float squared[AROUND * QUERIES];
 	if (count > 0 && !gw_neighbour_index_search(s->index, query, count, around, found, squared))
