@@ -98,10 +98,15 @@ static gw_status check_resume(const settings *s, gw_error *error)
 	if (!s->output || strcmp(s->output, "-") == 0)
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "--resume needs -o FILE, beside which it keeps what is done");
-	if (s->vdb || s->vdb_sh || s->frames)
+	if (s->frames)
+		return gw_fail(
+			error, GW_ERROR_USAGE,
+			"--resume is for one bake of points, and frames are whole once they have "
+			"their names: leave it out and let --frames name those that are missing; with "
+			"--independent and --exposure they are what they would have been");
+	if (s->vdb || s->vdb_sh)
 		return gw_fail(error, GW_ERROR_USAGE,
-					   "--resume goes on with points alone: leave %s out, or --resume",
-					   s->frames ? "--frames" : "the grids");
+					   "--resume goes on with points alone: leave the grids out, or --resume");
 	return GW_OK;
 }
 

@@ -42,6 +42,18 @@ glowworm compare same-1.ply scratch-02.ply --max-relrmse 0.05 >/dev/null 2>&1 &&
 [ "$(body same-0.ply)" = "$(body same-3.ply)" ] || echo 'not as at the start'
 bake --frames 2 --independent -o alone-%d.ply
 [ "$(body same-2.ply)" = "$(body alone-2.ply)" ] || echo 'frame 2 alone is another'
+# Killed once the first is there: what has its name is whole, and the others are what they would
+# have been.
+glowworm bake box.scene.json -q --exposure 0 --frames all --independent -o killed-%d.ply &
+until [ -e killed-0.ply ] || ! kill -0 $! 2>/dev/null; do sleep 0.01; done
+kill -9 $! 2>/dev/null
+wait $! 2>/dev/null
+next=1
+while [ -e killed-$next.ply ]; do next=$((next + 1)); done
+[ $next -gt 3 ] || bake --frames $next..3 --independent -o killed-%d.ply
+for i in 0 1 2 3; do
+	[ "$(body killed-$i.ply)" = "$(body same-$i.ply)" ] || echo "frame $i after a kill is another"
+done
 [ "$(body first.ply)" = "$(body scratch-00.ply)" ] || echo 'without --frames it is not frame 0'
 sed -n -e 's/.*"frame": \([0-9]*\),.*"file": "\([^"]*\)".*/\1 \2/p' frames.json
 head -c 4000 same-2.ply | grep -a 'comment glowworm frame'
@@ -79,6 +91,7 @@ try "$still" --frames all -o -
 try "$still" --frames all --vdb x.vdb
 try "$still" --frames all -o same-%d.ply
 try "$still" --independent -o x.ply
+try "$still" --frames all --resume -o x.ply
 try '"density": 100}], "lights": [{"type": "point", "position": [0,0,2], "intensity": 1,
  "path": [{"frame": 0, "name": "a"}]}]}' --frames all -o x.ply
 glowworm bake cornell_cube.obj --frames all -o x.ply 2>&1
