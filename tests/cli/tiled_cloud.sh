@@ -27,8 +27,9 @@ echo "$(off off.json) $(stated tiled.json) $(stated all.json)" |
 # Killed when a tile is done, and gone on with; by one thread, and where they can meet by two ranks.
 alone='-j 1 --effects lamps --tiles 3'
 bake -q $alone -o whole.ply
+rm said.txt # or its last tiles are taken for those of the next bake
 glowworm $what --light "$lamp" $alone --resume -v -o lit.ply 2>said.txt &
-until grep -q 'tile 2 of' said.txt || ! kill -0 $! 2>/dev/null; do sleep 0.01; done
+until grep -qs 'tile 2 of' said.txt || ! kill -0 $! 2>/dev/null; do sleep 0.01; done
 kill -9 $! 2>/dev/null
 wait $! 2>/dev/null || ls lit.ply*
 # Nothing goes on from a file of tiles that has lost points; from the whole one it does.
