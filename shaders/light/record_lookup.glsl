@@ -29,21 +29,15 @@ struct Seeker {
 	bool both_sides;
 };
 
-/* Puts a record into the row, in place of the lightest when it is full. */
-void use_record(uint record, float weight)
+/* Where a record would go into the row: it has room, or else in place of the lightest. */
+uint place_in_row()
 {
-	uint at = row + used;
-	if (used < ROW_WIDTH) {
-		used++;
-	} else {
-		at = row;
-		for (uint w = row + 1u; w < row + ROW_WIDTH; w++)
-			at = row_weight[w] < row_weight[at] ? w : at;
-		if (row_weight[at] >= weight)
-			return;
-	}
-	row_record[at] = record;
-	row_weight[at] = weight;
+	if (used < ROW_WIDTH)
+		return row + used;
+	uint at = row;
+	for (uint w = row + 1u; w < row + ROW_WIDTH; w++)
+		at = row_weight[w] < row_weight[at] ? w : at;
+	return at;
 }
 
 float record_weight(IN(Seeker) seeker, vec3 off, vec3 facing)
@@ -101,8 +95,16 @@ void weigh_block(IN(Seeker) seeker, uvec2 span)
 		vec4 facing = texelFetch(record_normal, int(record));
 		float weight = record_weight(seeker, off, facing.xyz);
 		weight *= facing.w < 1.0f ? BURIED_WEIGHT : 1.0f;
-		if (weight > 0.0f && record_visible(seeker, position, facing.xyz))
-			use_record(record, weight);
+		if (!(weight > 0.0f))
+			continue;
+		/* Whether something stands between is dear to find out. */
+		uint at = place_in_row();
+		if ((used == ROW_WIDTH && row_weight[at] >= weight) ||
+			!record_visible(seeker, position, facing.xyz))
+			continue;
+		used = min(used + 1u, ROW_WIDTH);
+		row_record[at] = record;
+		row_weight[at] = weight;
 	}
 }
 
