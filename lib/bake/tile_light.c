@@ -326,6 +326,8 @@ static gw_bake_options options_of(const gw_tile *tile, const gw_bake_options *op
 	own.surface_points = tile->checked ? (uint32_t)tile->kept->count : 0;
 	if (own.max_error > 0.0f)
 		own.max_error = error_for(tile, own.max_error);
+	/* A dark one needs no more records than it would have in the whole cloud. */
+	own.gathered_error = fmaxf(own.gathered_error, error_for(tile, own.gathered_error));
 	/* Holes that scanners left are found in the whole cloud, and what they let through only where
 	 * they are open and nobody asks for it. */
 	if (own.gaps == GW_GAPS_OPEN && !own.unknown)
