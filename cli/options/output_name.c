@@ -11,6 +11,11 @@ bool output_name_is_stream(const char *path)
 	return strcmp(path, "-") == 0 || (stat(path, &info) == 0 && !S_ISREG(info.st_mode));
 }
 
+bool output_name_takes_parts(const char *path, const format *f)
+{
+	return f && f->parted && !(f->parted->pack_loose && output_name_is_stream(path));
+}
+
 gw_status output_name_format(const char *path, const char *name, const format **found,
 							 gw_error *error)
 {

@@ -10,6 +10,9 @@
 /* Whether bytes can only be appended to what has that name: standard output, a pipe, a device. */
 bool output_name_is_stream(const char *path);
 
+/* Whether a format is written part by part to what has that name. f: or NULL */
+bool output_name_takes_parts(const char *path, const format *f);
+
 /*
  * The format to write: the one called `name`, or when that is NULL the one whose extension the path
  * has; PLY for standard output and devices.

@@ -22,11 +22,11 @@
 
 #define KEPT_MOST ((uint64_t)1 << 30)
 
-/* Whether results can be written one part after the other: LAZ goes to files only. */
+/* Whether results can be written one part after the other: LAZ goes to files only, and rows of text
+ * have no places that are known. */
 static bool can_be_written(const settings *s, const format *output)
 {
-	return output && output->parted && s->output &&
-		   !(output->parted->pack_loose && output_name_is_stream(s->output));
+	return s->output && output_name_takes_parts(s->output, output) && !output->parted->any_length;
 }
 
 /* Whether what is asked for needs no more than one point after the other. */

@@ -6,6 +6,7 @@
 #include "options/output_system.h"
 #include "pcd/pcd_format.h"
 #include "result/bake_columns.h"
+#include "result/parted_copy.h"
 #include "program/signals.h"
 #include "program/text_quote.h"
 #include "glowworm_host.h"
@@ -75,24 +76,30 @@ static gw_status keep_up(scan *cloud, gw_error *error)
 	return scan_add_comment(cloud, text, error);
 }
 
-/* E57 has a state for what is no point, and readers leave it out. */
-static void note_holes(const settings *s, const format *to, const scan *cloud)
+/* How many points have no place. */
+static size_t count_holes(const scan *cloud)
 {
 	static const char *const name[3] = { "x", "y", "z" };
 	const scan_column *axis[3];
 	size_t holes = 0;
 	for (int k = 0; k < 3; k++)
 		axis[k] = scan_find(cloud, name[k]);
-	if (s->quiet || strcmp(to->name, "e57") != 0 || !axis[0] || !axis[1] || !axis[2])
-		return;
+	if (!axis[0] || !axis[1] || !axis[2])
+		return 0;
 	for (size_t i = 0; i < cloud->count; i++)
 		holes += !isfinite(scan_value(axis[0], i)) || !isfinite(scan_value(axis[1], i)) ||
 				 !isfinite(scan_value(axis[2], i));
-	if (holes > 0)
+	return holes;
+}
+
+/* E57 has a state for what is no point, and readers leave it out. */
+static void note_holes(const settings *s, const format *to, uint64_t holes, uint64_t count)
+{
+	if (!s->quiet && strcmp(to->name, "e57") == 0 && holes > 0)
 		fprintf(stderr,
-				"glowworm: note: %zu of %zu points are not finite, and so rows without a point, "
+				"glowworm: note: %llu of %llu points are not finite, and so rows without a point, "
 				"which readers of E57 leave out\n",
-				holes, cloud->count);
+				(unsigned long long)holes, (unsigned long long)count);
 }
 
 /* PCD keeps rows and columns of a single picture that has all of its cells, E57 any; a bake knows
@@ -112,38 +119,93 @@ static void note_pictures(const settings *s, const format *to, const scan *cloud
 				pictures, gw_plural(pictures, "", "s"));
 }
 
-static gw_status convert(const settings *s, scan *cloud, output_file **out, gw_error *error)
-{
-	const format *to = NULL;
+/* What there is to convert, and what is known of it. */
+typedef struct conversion {
+	const settings *settings;
+	const format *to;
+	output_file *out;
 	output_shift shift;
+	parted_copy copy; /* where points come part by part */
+} conversion;
+
+/* What becomes of points, all or a part of them. */
+static gw_status change(const conversion *c, scan *cloud, gw_error *error)
+{
+	drop_notes(cloud);
+	GW_TRY(output_scanners_settle(c->to, cloud, c->settings->quiet, error));
+	GW_TRY(keep_up(cloud, error));
+	GW_TRY(output_shift_apply(&c->shift, cloud, error));
+	bake_columns_round(cloud, c->settings);
+	return GW_OK;
+}
+
+static gw_status convert_whole(conversion *c, scan *cloud, gw_error *error)
+{
+	const settings *s = c->settings;
 	const format_options options = { s->format, s->columns, s->bake.threads };
-	GW_TRY(check(s, &to, &shift, error));
-	GW_TRY(output_file_create(out, output_of(s), s->force, error));
-	output_file_use_threads(*out, s->bake.threads);
 	GW_TRY(format_read_with(s->input[0].path, &options, cloud, NULL, error));
 	GW_TRY(signals_check(error));
 	note_reading(s, cloud);
-	drop_notes(cloud);
-	note_holes(s, to, cloud);
-	note_pictures(s, to, cloud);
-	GW_TRY(output_scanners_settle(to, cloud, s->quiet, error));
-	GW_TRY(keep_up(cloud, error));
-	output_shift_settle_by(&shift, cloud, s->quiet);
-	GW_TRY(output_shift_apply(&shift, cloud, error));
+	note_holes(s, c->to, count_holes(cloud), cloud->count);
+	note_pictures(s, c->to, cloud);
+	output_shift_settle_by(&c->shift, cloud, s->quiet);
 	GW_TRY(output_system_check_step(s, cloud, error));
-	bake_columns_round(cloud, s);
-	GW_TRY(output_system_settle(to, cloud, s->quiet, error));
-	GW_TRY(to->write(*out, cloud, error));
+	GW_TRY(change(c, cloud, error));
+	GW_TRY(output_system_settle(c->to, cloud, s->quiet, error));
+	return c->to->write(c->out, cloud, error);
+}
+
+static gw_status convert_part(conversion *c, uint64_t first, uint64_t *holes, gw_error *error)
+{
+	scan part;
+	GW_TRY(parted_copy_read(&c->copy, first, &part, error));
+	if (strcmp(c->to->name, "e57") == 0)
+		*holes += count_holes(&part);
+	gw_status status = change(c, &part, error);
+	if (status == GW_OK)
+		status = parted_copy_write(&c->copy, &part, error);
+	scan_clear(&part);
+	return status == GW_OK ? signals_check(error) : status;
+}
+
+static gw_status convert_parts(conversion *c, gw_error *error)
+{
+	uint64_t holes = 0, count = c->copy.parts.count;
+	note_reading(c->settings, &c->copy.told);
+	parted_copy_settle_shift(&c->copy);
+	GW_TRY(output_system_check_step(c->settings, &c->copy.told, error));
+	for (uint64_t first = 0; first < count; first += c->copy.step)
+		GW_TRY(convert_part(c, first, &holes, error));
+	note_holes(c->settings, c->to, holes, count);
+	return parted_copy_end(&c->copy, error);
+}
+
+static gw_status convert(conversion *c, scan *cloud, gw_error *error)
+{
+	const settings *s = c->settings;
+	const format_options options = { s->format, s->columns, s->bake.threads };
+	bool parted;
+	GW_TRY(check(s, &c->to, &c->shift, error));
+	GW_TRY(output_file_create(&c->out, output_of(s), s->force, error));
+	output_file_use_threads(c->out, s->bake.threads);
+	c->copy = (parted_copy){
+		.settings = s, .path = output_of(s), .format = c->to, .output = c->out, .shift = &c->shift
+	};
+	GW_TRY(parted_copy_open(&c->copy, &options, &parted, error));
+	if (parted)
+		GW_TRY(parted_copy_settle(&c->copy, &parted, error));
+	GW_TRY(parted ? convert_parts(c, error) : convert_whole(c, cloud, error));
 	GW_TRY(signals_check(error));
-	return output_file_commit(out, error);
+	return output_file_commit(&c->out, error);
 }
 
 gw_status verb_convert(const settings *s, gw_error *error)
 {
-	output_file *out = NULL;
+	conversion c = { .settings = s };
 	scan cloud = { 0 };
-	gw_status status = convert(s, &cloud, &out, error);
-	output_file_abandon(&out);
+	gw_status status = convert(&c, &cloud, error);
+	parted_copy_close(&c.copy);
+	output_file_abandon(&c.out);
 	scan_clear(&cloud);
 	return status;
 }

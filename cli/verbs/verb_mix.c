@@ -4,6 +4,7 @@
 #include "program/signals.h"
 #include "result/bake_columns.h"
 #include "result/light_mix.h"
+#include "result/parted_copy.h"
 #include "scene/loaded_scene.h"
 #include "glowworm_host.h"
 #include "files/number_text.h"
@@ -11,29 +12,21 @@
 #include "options/output_name.h"
 #include "options/output_scanners.h"
 #include "options/output_system.h"
-#include "points/scan_shift.h"
 #include "options/preview.h"
 #include "options/progress.h"
 #include "points/scan_color.h"
-#include "table/format_parts.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* About as many points are mixed at once where the input can be read in parts: a fine grain of
- * progress, and next to no memory. */
-#define PART_POINTS ((size_t)1 << 18)
-
 /* All that lives as long as one mix. */
 typedef struct mixing {
 	const settings *settings;
 	const format *format;
 	output_file *output;
-	format_parts parts;
-	size_t step;        /* points that are mixed at once */
-	format_whole whole; /* of the output, where it is written in parts */
+	parted_copy copy; /* where points are mixed part by part */
 	light_mix mix;
 	preview_meter meter;
 	output_shift shift;
@@ -191,45 +184,24 @@ static void clear_part(mixed_part *part)
 
 /* ----------------------------------------------------------------------------------- one by one */
 
-/* Where columns hang on all points, these are read once more, and LAZ takes its time: only where
- * memory hardly holds them, with what is made of them. */
-static gw_status needs_parts(mixing *m, bool *parted)
-{
-	scan one;
-	uint64_t row = 0, available = gw_available_memory() / 2;
-	if (!m->parts.found->settle_rows)
-		return GW_OK;
-	GW_TRY(format_parts_read(&m->parts, 0, 1, &one, m->error));
-	for (size_t c = 0; c < one.column_count; c++)
-		row += scan_type_size(one.column[c].type);
-	scan_clear(&one);
-	*parted = row > 0 && m->parts.count > available / row;
-	return GW_OK;
-}
-
-/* Whether the input is read in parts, more than once, and the output written so. What is read at
- * once is in one part. */
+/* Whether the input is read in parts, more than once, and the output written so. */
 static gw_status open_parts(mixing *m, bool *parted)
 {
 	const settings *s = m->settings;
 	const format_options options = { s->format, NULL, s->bake.threads };
-	*parted = false;
-	const format_parted *to = m->format->parted;
-	if (!to || (to->pack_loose && output_name_is_stream(s->output)))
-		return GW_OK;
-	GW_TRY(format_parts_open(s->input[0].path, &options, &m->parts, m->error));
-	uint64_t together = m->parts.together;
-	*parted = m->parts.found && together <= PART_POINTS;
-	if (!*parted)
-		return GW_OK;
-	m->step = together > 0 ? (size_t)(PART_POINTS / together * together) : PART_POINTS;
-	return needs_parts(m, parted);
+	m->copy = (parted_copy){ .settings = s,
+							 .path = s->output,
+							 .format = m->format,
+							 .output = m->output,
+							 .shift = &m->shift };
+	GW_TRY(parted_copy_open(&m->copy, &options, parted, m->error));
+	return *parted ? parted_copy_settle(&m->copy, parted, m->error) : GW_OK;
 }
 
-static gw_status use_part(mixing *m, uint64_t first, size_t count, mix_use *use)
+static gw_status use_part(mixing *m, uint64_t first, mix_use *use)
 {
 	mixed_part part = { .radiance = NULL };
-	gw_status status = format_parts_read(&m->parts, first, count, &part.cloud, m->error);
+	gw_status status = parted_copy_read(&m->copy, first, &part.cloud, m->error);
 	if (status == GW_OK)
 		status = mix_part(m, &part);
 	if (status == GW_OK)
@@ -241,12 +213,12 @@ static gw_status use_part(mixing *m, uint64_t first, size_t count, mix_use *use)
 /* Mixes part after part. */
 static gw_status use_parts(mixing *m, mix_use *use)
 {
-	uint64_t count = m->parts.count;
+	uint64_t count = m->copy.parts.count;
 	m->mix.points = 0;
-	for (uint64_t first = 0; first < count; first += m->step) {
+	for (uint64_t first = 0; first < count; first += m->copy.step) {
 		double done = (double)first / (double)count;
 		progress_show(&m->progress, "mix", (m->passed + done) / m->passes);
-		GW_TRY(use_part(m, first, m->step, use));
+		GW_TRY(use_part(m, first, use));
 	}
 	m->passed++;
 	GW_TRY(check_mix(m));
@@ -266,85 +238,16 @@ static gw_status look_at_light(mixing *m, mixed_part *part)
 	return GW_OK;
 }
 
-/* What goes before the points, for which there has to be room. */
-static gw_status begin_output(const mixing *m, const scan *cloud)
-{
-	uint64_t row = m->format->row_bytes;
-	for (size_t c = 0; c < cloud->column_count && m->format->row_bytes == 0; c++)
-		row += m->format->text ? 2 : scan_type_size(cloud->column[c].type);
-	GW_TRY(output_file_check_room(m->settings->output, row * m->whole.count, m->error));
-	return m->format->parted->write_head(m->output, &m->whole, cloud, m->error);
-}
-
 static gw_status write_part(mixing *m, mixed_part *part)
 {
-	bool first = m->mix.points == part->cloud.count;
 	GW_TRY(finish_part(m, part));
-	if (first)
-		GW_TRY(begin_output(m, &part->cloud));
-	return m->format->parted->write_rows(m->output, &m->whole, &part->cloud, m->error);
-}
-
-/* Whether the first part asks for it. */
-static gw_status note_metering(mixing *m, mixed_part *part)
-{
-	m->exposure = meters(m, &part->cloud) ? NAN : (double)m->settings->exposure;
-	return GW_OK;
-}
-
-/* Reads all points once more, for a shift of all of them. */
-static gw_status settle_shift(mixing *m)
-{
-	double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY };
-	for (uint64_t first = 0; m->shift.wanted && first < m->parts.count; first += m->step) {
-		scan part;
-		GW_TRY(format_parts_read(&m->parts, first, m->step, &part, m->error));
-		scan_shift_bounds(&part, low, high);
-		scan_clear(&part);
-		GW_TRY(signals_check(m->error));
-	}
-	output_shift_settle(&m->shift, low, high, m->settings->quiet);
-	return GW_OK;
-}
-
-/* Formats that tell by all points which columns there are have them read once.
- *   read   they were already */
-static gw_status settle_columns(mixing *m, bool read)
-{
-	scan one;
-	if (!m->parts.found->settle_rows)
-		return GW_OK;
-	for (uint64_t first = 0; first < m->parts.count && !read; first += m->step) {
-		scan part;
-		GW_TRY(format_parts_read(&m->parts, first, m->step, &part, m->error));
-		scan_clear(&part);
-		GW_TRY(signals_check(m->error));
-	}
-	GW_TRY(format_parts_read(&m->parts, 0, 1, &one, m->error));
-	gw_status status = format_parts_settle(&m->parts, &one, m->error);
-	if (status == GW_OK)
-		status = format_parts_follow(&m->parts, &one, m->error);
-	scan_clear(&one);
-	return status;
-}
-
-/* What the output's format has to know of all points. */
-static gw_status survey(mixing *m)
-{
-	const format_survey_use use = { m->format, m->step, signals_check };
-	m->whole.name = output_file_name(m->output);
-	return format_parts_survey(&m->parts, &use, &m->whole, m->error);
+	return parted_copy_write(&m->copy, &part->cloud, m->error);
 }
 
 static gw_status mix_parts(mixing *m)
 {
-	const format_parted *to = m->format->parted;
-	bool reads = to->survey_begin || m->shift.wanted;
-	GW_TRY(settle_shift(m));
-	GW_TRY(survey(m));
-	GW_TRY(settle_columns(m, reads));
-	GW_TRY(use_part(m, 0, 1, note_metering));
-	m->mix.own = m->mix.squares = 0.0;
+	parted_copy_settle_shift(&m->copy);
+	m->exposure = meters(m, &m->copy.told) ? NAN : (double)m->settings->exposure;
 	m->passes = isnan(m->exposure) ? 3 : 1;
 	if (isnan(m->exposure)) {
 		GW_TRY(use_parts(m, add_light));
@@ -352,7 +255,7 @@ static gw_status mix_parts(mixing *m)
 		m->exposure = preview_meter_exposure(&m->meter);
 	}
 	GW_TRY(use_parts(m, write_part));
-	return to->write_end ? to->write_end(m->output, &m->whole, m->error) : GW_OK;
+	return parted_copy_end(&m->copy, m->error);
 }
 
 /* ------------------------------------------------------------------------------ all at once */
@@ -409,8 +312,7 @@ gw_status verb_mix(const settings *s, gw_error *error)
 				 .error = error };
 	gw_status status = run(&m);
 	progress_end(&m.progress);
-	format_whole_clear(m.format, &m.whole);
+	parted_copy_close(&m.copy);
 	output_file_abandon(&m.output);
-	format_parts_close(&m.parts);
 	return status;
 }

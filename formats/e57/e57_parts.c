@@ -247,6 +247,7 @@ static gw_status write_end(output_file *out, const format_whole *whole, gw_error
 }
 
 const format_parted e57_parted = {
+	.one_scan = true,
 	.survey_begin = survey_begin,
 	.survey_add = survey_add,
 	.survey_go_on = survey_go_on,

@@ -387,3 +387,11 @@ gw_status las_flight_find(scan *cloud, gw_error *error)
 	free(f.windows);
 	return status;
 }
+
+bool las_flight_is_told(const scan *some, const format_seen *seen)
+{
+	const scan_column *angle = scan_find(some, "scan_angle");
+	if (!angle)
+		angle = scan_find(some, "scan_angle_rank");
+	return angle && !seen->zero[angle - some->column];
+}

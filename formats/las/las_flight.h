@@ -14,7 +14,7 @@
 #ifndef LAS_FLIGHT_H
 #define LAS_FLIGHT_H
 
-#include "points/scan.h"
+#include "points/format.h"
 
 /*
  * Adds the sensor's place in each window to the scan's scanners, and which of them saw each point,
@@ -24,5 +24,8 @@
  * Fails with GW_ERROR_MEMORY.
  */
 gw_status las_flight_find(scan *cloud, gw_error *error);
+
+/* As format.needs_all: whether points have angles by which it may be found. */
+bool las_flight_is_told(const scan *some, const format_seen *seen);
 
 #endif

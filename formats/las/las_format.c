@@ -1,4 +1,5 @@
 #include "las/las_format.h"
+#include "las/las_flight.h"
 #include "las/las_grid.h"
 #include "las/las_header.h"
 #include "las/las_notes.h"
@@ -51,6 +52,7 @@ const format las_format = {
 	.say_bounds = las_say_bounds,
 	.read_rows = las_read_rows,
 	.settle_rows = las_settle_rows,
+	.needs_all = las_flight_is_told,
 	.accept = las_accept,
 	.row_bytes = 30, /* of the smallest record that is written */
 	.write = las_write,
@@ -64,9 +66,11 @@ const format laz_format = {
 	.probe = probe_laz,
 	.read = las_read,
 	.count_rows = las_count_rows,
+	.packed = true,
 	.say_bounds = las_say_bounds,
 	.read_rows = las_read_rows,
 	.settle_rows = las_settle_rows,
+	.needs_all = las_flight_is_told,
 	.accept = las_accept,
 	.row_bytes = 1, /* real points take more */
 	.write = laz_write,
@@ -80,8 +84,10 @@ const format copc_format = {
 	.probe = probe_copc,
 	.read = las_read,
 	.count_rows = las_count_rows,
+	.packed = true,
 	.read_rows = las_read_rows,
 	.settle_rows = las_settle_rows,
+	.needs_all = las_flight_is_told,
 	.accept = las_accept,
 	.row_bytes = 1,
 	.write = copc_write,

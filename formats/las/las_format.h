@@ -23,12 +23,11 @@ extern const format_parted las_parted, laz_parted;
 gw_status las_read(input_file *in, scan *cloud, gw_error *error);
 
 /* As format.count_rows and its fellows. Points are read in parts unless some field's column hangs
- * on all of its values, as that of integers of 64 bits does. That the header's bounds are wrong is
- * not said then. */
+ * on all of its values, as that of integers of 64 bits does. */
 uint64_t las_count_rows(input_file *in, uint64_t *together);
 bool las_say_bounds(input_file *in, double minimum[3], double maximum[3]);
 gw_status las_read_rows(input_file *in, const format_rows *rows, scan *cloud, gw_error *error);
-gw_status las_settle_rows(input_file *in, const bool *zero, scan *kept, gw_error *error);
+gw_status las_settle_rows(input_file *in, const format_seen *seen, scan *kept, gw_error *error);
 
 /*
  * As format.write: LAS 1.4, to files and pipes.

@@ -6,6 +6,7 @@
 #include "files/little_endian.h"
 #include "glowworm_host.h"
 #include "points/scan_color.h"
+#include "points/scan_shift.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -286,22 +287,19 @@ static gw_status settle_columns(reader *r)
 
 /* Says so when the header's bounds are not those of the points. Half a step may be lost where a
  * writer printed and read the bounds. */
-static gw_status check_bounds(reader *r)
+static gw_status check_bounds(reader *r, const double minimum[3], const double maximum[3])
 {
 	const las_header *h = &r->header;
 	double worst = 0.0, allowed = 0.0;
+	if (!(minimum[0] <= maximum[0]))
+		return GW_OK;
 	for (size_t k = 0; k < 3; k++) {
-		const double *value = r->data[k];
-		double low = INFINITY, high = -INFINITY;
-		for (size_t i = 0; i < r->cloud->count; i++) {
-			low = value[i] < low ? value[i] : low;
-			high = value[i] > high ? value[i] : high;
-		}
+		double low = minimum[k], high = maximum[k];
 		double off = fmax(fabs(low - h->minimum[k]), fabs(high - h->maximum[k]));
 		worst = off <= worst ? worst : off;
 		allowed = fmax(allowed, fabs(h->scale[k]) + 1e-12 * fmax(fabs(low), fabs(high)));
 	}
-	if (r->cloud->count == 0 || worst <= allowed)
+	if (worst <= allowed)
 		return GW_OK;
 	return las_note(r->cloud, r->error,
 					"the header's bounds are wrong by up to %g; those of the points hold", worst);
@@ -341,7 +339,9 @@ static gw_status read_all(reader *r)
 {
 	GW_TRY(read_points(r, &(format_rows){ 0, UINT64_MAX }));
 	GW_TRY(find_zeros(r));
-	GW_TRY(check_bounds(r));
+	double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY };
+	scan_shift_bounds(r->cloud, low, high);
+	GW_TRY(check_bounds(r, low, high));
 	GW_TRY(settle_columns(r));
 	return las_flight_find(r->cloud, r->error);
 }
@@ -372,7 +372,8 @@ static bool has_plain_fields(const las_layout *layout)
 	for (size_t f = 0; f < layout->count; f++) {
 		const las_field *field = &layout->field[f];
 		bool wide = field->kind == LAS_UINT64 || field->kind == LAS_INT64;
-		plain = plain && !field->standard[0] && (field->scaled || !wide);
+		plain = plain && !field->standard[0] && (field->scaled || !wide) &&
+				!scan_color_may_be_packed(field->name);
 	}
 	return plain;
 }
@@ -426,7 +427,7 @@ gw_status las_read_rows(input_file *in, const format_rows *rows, scan *cloud, gw
 	return finish(&r, read_points(&r, rows));
 }
 
-static gw_status settle_rows(reader *r, const bool *zero)
+static gw_status settle_rows(reader *r, const format_seen *seen)
 {
 	scan notes = { 0 };
 	gw_status status = read_head(r, &notes);
@@ -435,14 +436,15 @@ static gw_status settle_rows(reader *r, const bool *zero)
 	GW_TRY(allocate_zero(r));
 	for (size_t f = 0; f < r->layout.count; f++) {
 		const scan_column *column = scan_find(r->cloud, r->layout.field[f].name);
-		r->zero[f] = column && zero[column - r->cloud->column];
+		r->zero[f] = column && seen->zero[column - r->cloud->column];
 	}
+	GW_TRY(check_bounds(r, seen->minimum, seen->maximum));
 	GW_TRY(settle_columns(r));
 	return las_flight_find(r->cloud, r->error);
 }
 
-gw_status las_settle_rows(input_file *in, const bool *zero, scan *kept, gw_error *error)
+gw_status las_settle_rows(input_file *in, const format_seen *seen, scan *kept, gw_error *error)
 {
 	reader r = { .in = in, .cloud = kept, .error = error };
-	return finish(&r, settle_rows(&r, zero));
+	return finish(&r, settle_rows(&r, seen));
 }

@@ -19,6 +19,7 @@
 #include "files/output_file.h"
 
 extern const format pcd_format;
+extern const format_parted pcd_parted; /* all as a list */
 
 /* As format.read and format.write. */
 gw_status pcd_read(input_file *in, scan *cloud, gw_error *error);

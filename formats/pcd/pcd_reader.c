@@ -533,4 +533,5 @@ const format pcd_format = {
 	.probe = probe,
 	.read = pcd_read,
 	.write = pcd_write,
+	.parted = &pcd_parted,
 };

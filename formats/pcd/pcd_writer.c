@@ -18,9 +18,12 @@ typedef struct field {
 
 typedef struct writer {
 	output_file *out;
+	const char *name; /* of the file, for messages */
 	const scan *cloud;
 	field *field; /* owned; field_count */
 	size_t field_count, stride;
+	uint64_t count; /* points of the file */
+	bool single;    /* single precision holds all of its coordinates */
 } writer;
 
 static size_t field_size(const field *f)
@@ -95,10 +98,9 @@ static gw_status list_fields(writer *w, gw_error *error)
 {
 	field packed;
 	bool pack = find_packed(w->cloud, &packed), done = false;
-	bool single = has_single_position(w->cloud);
 	w->field = calloc(w->cloud->column_count + 1, sizeof *w->field);
 	if (!w->field)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory to write %s", output_file_name(w->out));
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to write %s", w->name);
 	for (size_t c = 0; c < w->cloud->column_count; c++) {
 		const scan_column *column = &w->cloud->column[c];
 		bool part = pack && is_packed(&packed, column);
@@ -106,7 +108,8 @@ static gw_status list_fields(writer *w, gw_error *error)
 			continue;
 		done = done || part;
 		field *f = &w->field[w->field_count++];
-		*f = part ? packed : (field){ .column = column, .single = single && is_position(column) };
+		*f =
+			part ? packed : (field){ .column = column, .single = w->single && is_position(column) };
 		w->stride += field_size(f);
 	}
 	return GW_OK;
@@ -190,11 +193,11 @@ static gw_status write_header(writer *w, gw_error *error)
 	for (size_t f = 0; f < w->field_count; f++)
 		output_file_print(out, NULL, " 1");
 	bool picture = pcd_is_picture(w->cloud);
-	output_file_print(out, NULL, "\nWIDTH %zu\nHEIGHT %u\n",
-					  picture ? w->cloud->image->columns : w->cloud->count,
+	unsigned long long count = w->count, columns = picture ? w->cloud->image->columns : count;
+	output_file_print(out, NULL, "\nWIDTH %llu\nHEIGHT %u\n", columns,
 					  picture ? w->cloud->image->rows : 1u);
 	GW_TRY(write_viewpoint(out, w->cloud, error));
-	output_file_print(out, NULL, "POINTS %zu\n", w->cloud->count);
+	output_file_print(out, NULL, "POINTS %llu\n", count);
 	return output_file_print(out, error, "DATA binary\n");
 }
 
@@ -222,7 +225,7 @@ static gw_status write_points(writer *w, gw_error *error)
 {
 	uint8_t *block = reallocarray(NULL, w->stride ? w->stride : 1, BLOCK_POINTS);
 	if (!block)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory to write %s", output_file_name(w->out));
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to write %s", w->name);
 	gw_status status = GW_OK;
 	for (size_t first = 0; first < w->cloud->count && status == GW_OK; first += BLOCK_POINTS) {
 		size_t rest = w->cloud->count - first, count = rest < BLOCK_POINTS ? rest : BLOCK_POINTS;
@@ -239,7 +242,11 @@ static gw_status write_points(writer *w, gw_error *error)
 
 gw_status pcd_write(output_file *out, const scan *cloud, gw_error *error)
 {
-	writer w = { .out = out, .cloud = cloud };
+	writer w = { .out = out,
+				 .name = output_file_name(out),
+				 .cloud = cloud,
+				 .count = cloud->count,
+				 .single = has_single_position(cloud) };
 	gw_status status = list_fields(&w, error);
 	if (status == GW_OK)
 		status = write_header(&w, error);
@@ -248,3 +255,91 @@ gw_status pcd_write(output_file *out, const scan *cloud, gw_error *error)
 	free(w.field);
 	return status;
 }
+
+/* ------------------------------------------------------------------------------ in parts */
+
+/* PCD's own part of format.parted. */
+typedef struct format_survey {
+	bool wide; /* single precision does not hold all coordinates */
+} pcd_survey;
+
+static gw_status survey_begin(format_whole *whole, gw_error *error)
+{
+	whole->survey = calloc(1, sizeof *whole->survey);
+	return whole->survey ? GW_OK
+						 : gw_fail(error, GW_ERROR_MEMORY, "no memory to write %s", whole->name);
+}
+
+static gw_status survey_add(format_whole *whole, const scan *part, gw_error *error)
+{
+	(void)error;
+	whole->survey->wide = whole->survey->wide || !has_single_position(part);
+	return GW_OK;
+}
+
+static gw_status survey_go_on(format_whole *whole, bool *again, gw_error *error)
+{
+	(void)whole;
+	(void)error;
+	*again = false;
+	return GW_OK;
+}
+
+static void survey_clear(format_whole *whole)
+{
+	free(whole->survey);
+	whole->survey = NULL;
+}
+
+/* Its fields are to be freed, also on failure. */
+static gw_status begin_part(const format_whole *whole, const scan *part, output_file *out,
+							writer *w, gw_error *error)
+{
+	*w = (writer){ .out = out,
+				   .name = whole->name,
+				   .cloud = part,
+				   .count = whole->count,
+				   .single = !whole->survey->wide };
+	return list_fields(w, error);
+}
+
+static gw_status row(const format_whole *whole, const scan *part, size_t *bytes, gw_error *error)
+{
+	writer w;
+	gw_status status = begin_part(whole, part, NULL, &w, error);
+	*bytes = w.stride;
+	free(w.field);
+	return status;
+}
+
+static gw_status write_head(output_file *out, const format_whole *whole, const scan *first,
+							gw_error *error)
+{
+	writer w;
+	gw_status status = begin_part(whole, first, out, &w, error);
+	if (status == GW_OK)
+		status = write_header(&w, error);
+	free(w.field);
+	return status;
+}
+
+static gw_status write_rows(output_file *out, const format_whole *whole, const scan *part,
+							gw_error *error)
+{
+	writer w;
+	gw_status status = begin_part(whole, part, out, &w, error);
+	if (status == GW_OK)
+		status = write_points(&w, error);
+	free(w.field);
+	return status;
+}
+
+const format_parted pcd_parted = {
+	.survey_begin = survey_begin,
+	.survey_add = survey_add,
+	.survey_go_on = survey_go_on,
+	.survey_clear = survey_clear,
+	.row = row,
+	.write_head = write_head,
+	.write_rows = write_rows,
+};

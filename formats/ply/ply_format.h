@@ -20,7 +20,7 @@ gw_status ply_read(input_file *in, scan *cloud, gw_error *error);
 gw_status ply_write(output_file *out, const scan *cloud, gw_error *error);
 
 /* As format.count_rows and its fellows. Vertices are read in parts where they are binary and have
- * no lists. */
+ * no lists, and no colours that may be packed into one value. */
 uint64_t ply_count_rows(input_file *in, uint64_t *together);
 gw_status ply_read_rows(input_file *in, const format_rows *rows, scan *cloud, gw_error *error);
 gw_status ply_write_head(output_file *out, const format_whole *whole, const scan *cloud,

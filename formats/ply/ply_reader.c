@@ -4,6 +4,7 @@
  */
 #include "ply/ply_format.h"
 #include "points/column_names.h"
+#include "points/scan_color.h"
 #include "points/scan_shift.h"
 #include "files/number_text.h"
 #include "glowworm_host.h"
@@ -594,6 +595,14 @@ gw_status ply_read(input_file *in, scan *cloud, gw_error *error)
 
 /* ------------------------------------------------------------------------------ in parts */
 
+static bool may_have_packed_colors(const ply_element *vertex)
+{
+	bool may = false;
+	for (size_t i = 0; i < vertex->property_count; i++)
+		may = may || scan_color_may_be_packed(vertex->property[i].name);
+	return may;
+}
+
 /* Vertices of one size that come first, all of them and no more. */
 static bool has_rows(const ply_header *header, const input_file *in, size_t *bytes)
 {
@@ -601,7 +610,7 @@ static bool has_rows(const ply_header *header, const input_file *in, size_t *byt
 	const ply_element *vertex = &header->element[header->vertex];
 	*bytes = least_bytes(vertex, &lists);
 	if (header->encoding == PLY_ASCII || header->vertex != 0 || lists || *bytes == 0 ||
-		ply_is_splats(vertex))
+		ply_is_splats(vertex) || may_have_packed_colors(vertex))
 		return false;
 	uint64_t room = (in->length - header->body) / *bytes;
 	return vertex->count == room || (vertex->count < room && header->element_count > 1);

@@ -16,6 +16,13 @@ typedef struct format_rows {
 	uint64_t first, count;
 } format_rows;
 
+/* What was seen of all points of a file that came part by part. */
+typedef struct format_seen {
+	const bool *zero; /* of each column that rows are read with: all its values are 0 */
+	double minimum[3], maximum[3]; /* of finite coordinates; the one above the other: there are
+									  none */
+} format_seen;
+
 /* A file that is written part by part. */
 typedef struct format_whole {
 	const char *name;             /* for messages; lives as long */
@@ -53,6 +60,9 @@ typedef struct format_parted {
 	gw_status (*write_end)(struct output_file *out, const format_whole *whole,
 						   gw_error *error); /* NULL: nothing */
 
+	bool any_length; /* rows have lengths of their own: parts are written in order, to any output */
+	bool one_scan;   /* where several scanners stood, all points at once become more than parts */
+
 	/* NULL: write_rows writes rows of that length, one after the other, wherever their place is.
 	 * Else parts are written in order and to a file alone; then rows as such are written to any
 	 * file by write_loose, and from there put where write_rows would have by pack_loose. */
@@ -84,6 +94,8 @@ typedef struct format {
 	 */
 	uint64_t (*count_rows)(struct input_file *in, uint64_t *together);
 
+	bool packed; /* to read parts once more takes as long as to unpack them */
+
 	/* Between which corners the points lie, by what stands before them, which may be wrong; false
 	 * when nothing does. NULL: the format never says. */
 	bool (*say_bounds)(struct input_file *in, double minimum[3], double maximum[3]);
@@ -94,10 +106,14 @@ typedef struct format {
 						   gw_error *error);
 
 	/* Does what read does with the points of a whole file, and read_rows cannot do with a part, to
-	 * points that were kept of all parts: it leaves out columns that hold nothing, finds scanners.
-	 * NULL: nothing.
-	 *   zero   kept->column_count: whether a column is 0 at all points of the file */
-	gw_status (*settle_rows)(struct input_file *in, const bool *zero, scan *kept, gw_error *error);
+	 * points that were kept of all parts: it leaves out columns that hold nothing, finds scanners,
+	 * says that bounds are wrong. NULL: nothing. */
+	gw_status (*settle_rows)(struct input_file *in, const format_seen *seen, scan *kept,
+							 gw_error *error);
+
+	/* Whether read may find more in all points than settle_rows in some of them, which are as they
+	 * were read: where scanners were. NULL: never. */
+	bool (*needs_all)(const scan *some, const format_seen *seen);
 
 	/* Whether the format can hold the coordinates of a scan; NULL: those of any.
 	 *   name   of the file, for messages */

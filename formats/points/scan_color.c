@@ -61,17 +61,25 @@ static const char *const other_names[][3] = { { "r", "g", "b" },
 											  { "rf", "gf", "bf" },
 											  { "diffuse_red", "diffuse_green", "diffuse_blue" } };
 
-static const scan_column *find_other(const scan *cloud, const char *name)
+static bool is_called(const char *own, const char *name)
 {
 	static const char prefix[] = "scalar_";
-	for (size_t c = 0; c < cloud->column_count; c++) {
-		const char *own = cloud->column[c].name;
-		if (strncmp(own, prefix, sizeof prefix - 1) == 0)
-			own += sizeof prefix - 1;
-		if (strcasecmp(own, name) == 0)
+	if (strncmp(own, prefix, sizeof prefix - 1) == 0)
+		own += sizeof prefix - 1;
+	return strcasecmp(own, name) == 0;
+}
+
+static const scan_column *find_other(const scan *cloud, const char *name)
+{
+	for (size_t c = 0; c < cloud->column_count; c++)
+		if (is_called(cloud->column[c].name, name))
 			return &cloud->column[c];
-	}
 	return NULL;
+}
+
+bool scan_color_may_be_packed(const char *name)
+{
+	return is_called(name, "rgb") || is_called(name, "rgba");
 }
 
 static bool find_columns(const scan *cloud, const char *const name[3], scan_color *color)

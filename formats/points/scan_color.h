@@ -58,6 +58,9 @@ void scan_color_tally_settle(const scan_color_tally *tally, scan_color *color);
  */
 gw_status scan_color_unpack(scan *scan, gw_error *error);
 
+/* Whether a column of that name may be such a one, which only the values of all points tell. */
+bool scan_color_may_be_packed(const char *name);
+
 /* Channel k of point i, 0..1 and still encoded as it was; bad values come out as they are. */
 double scan_color_value(const scan_color *color, int k, size_t i);
 

@@ -1,8 +1,10 @@
 /* format_parts.c - see format_parts.h. */
 #include "table/format_parts.h"
 
+#include "points/scan_shift.h"
 #include "table/format_table.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -18,7 +20,9 @@ static bool can_be_read_twice(const char *path)
 gw_status format_parts_open(const char *path, const format_options *options, format_parts *parts,
 							gw_error *error)
 {
-	*parts = (format_parts){ .found = NULL };
+	*parts = (format_parts){ .found = NULL,
+							 .minimum = { INFINITY, INFINITY, INFINITY },
+							 .maximum = { -INFINITY, -INFINITY, -INFINITY } };
 	if (!can_be_read_twice(path))
 		return GW_OK;
 	GW_TRY(input_file_open_as(&parts->in, path, 0, 0, error));
@@ -42,7 +46,7 @@ static gw_status read_part(format_parts *parts, uint64_t first, size_t count, sc
 	return format_finish(part, status, error);
 }
 
-static gw_status note_zeros(format_parts *parts, const scan *part, gw_error *error)
+static gw_status note_values(format_parts *parts, const scan *part, gw_error *error)
 {
 	if (!parts->zero) {
 		parts->columns = part->column_count;
@@ -54,6 +58,7 @@ static gw_status note_zeros(format_parts *parts, const scan *part, gw_error *err
 	}
 	for (size_t c = 0; c < parts->columns && c < part->column_count; c++)
 		parts->zero[c] = parts->zero[c] && scan_is_zero(&part->column[c], part->count);
+	scan_shift_bounds(part, parts->minimum, parts->maximum);
 	return GW_OK;
 }
 
@@ -72,17 +77,33 @@ gw_status format_parts_read(format_parts *parts, uint64_t first, size_t count, s
 		leave_out(parts, part);
 		return GW_OK;
 	}
-	gw_status status = note_zeros(parts, part, error);
+	gw_status status = note_values(parts, part, error);
 	if (status != GW_OK)
 		scan_clear(part);
 	return status;
+}
+
+static format_seen seen_of(const format_parts *parts)
+{
+	format_seen seen = { .zero = parts->zero };
+	memcpy(seen.minimum, parts->minimum, sizeof seen.minimum);
+	memcpy(seen.maximum, parts->maximum, sizeof seen.maximum);
+	return seen;
 }
 
 gw_status format_parts_settle(format_parts *parts, scan *kept, gw_error *error)
 {
 	if (!parts->found->settle_rows || !parts->zero || kept->column_count != parts->columns)
 		return GW_OK;
-	return parts->found->settle_rows(&parts->in, parts->zero, kept, error);
+	const format_seen seen = seen_of(parts);
+	return parts->found->settle_rows(&parts->in, &seen, kept, error);
+}
+
+bool format_parts_need_all(const format_parts *parts, const scan *some)
+{
+	const format_seen seen = seen_of(parts);
+	return parts->found->needs_all && parts->zero && some->column_count == parts->columns &&
+		   parts->found->needs_all(some, &seen);
 }
 
 gw_status format_parts_follow(format_parts *parts, const scan *kept, gw_error *error)

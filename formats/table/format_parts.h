@@ -16,6 +16,8 @@ typedef struct format_parts {
 	bool *zero;     /* 0 at all points that were read */
 	bool *left_out; /* not in what was kept; NULL: none yet */
 	size_t columns;
+	double minimum[3], maximum[3]; /* of the finite coordinates that were read before that; the one
+									  above the other: there are none */
 } format_parts;
 
 /*
@@ -38,9 +40,14 @@ gw_status format_parts_read(format_parts *parts, uint64_t first, size_t count, s
 
 /*
  * Finishes points that were kept of all parts, each of which has been read: columns of no use are
- * left out, and scanners found. GW_ERROR_MEMORY.
+ * left out, scanners found, and wrong bounds noted. GW_ERROR_MEMORY.
  */
 gw_status format_parts_settle(format_parts *parts, scan *kept, gw_error *error);
+
+/* Whether only all points at once may tell more, as far as parts that were read say it: where
+ * scanners were. To be asked before points are finished.
+ *   some   such a part, or some of its points */
+bool format_parts_need_all(const format_parts *parts, const scan *some);
 
 /* From now on parts have the columns that such points have. Fails like format_parts_read. */
 gw_status format_parts_follow(format_parts *parts, const scan *kept, gw_error *error);

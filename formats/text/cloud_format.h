@@ -15,6 +15,10 @@ extern const format cloud_format;
 /* As format.read. The columns are x y z nx ny nz red green blue. */
 gw_status cloud_read(input_file *in, scan *cloud, gw_error *error);
 
+/* As format.count_rows and format.read_rows. */
+uint64_t cloud_count_rows(input_file *in, uint64_t *together);
+gw_status cloud_read_rows(input_file *in, const format_rows *rows, scan *cloud, gw_error *error);
+
 /*
  * As format.write. A scan with z up is turned so that y is up. Missing normals become zeros and
  * missing colours the grey of GW_ALBEDO_DEFAULT; other columns have no place in this format.

@@ -37,4 +37,7 @@ gw_status ptx_read(input_file *in, scan *cloud, gw_error *error);
 gw_status xyz_write(output_file *out, const scan *cloud, gw_error *error);
 gw_status csv_write(output_file *out, const scan *cloud, gw_error *error);
 
+/* The same part by part: lines hang on nothing but their points. */
+extern const format_parted xyz_parted, csv_parted;
+
 #endif

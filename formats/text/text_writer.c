@@ -116,22 +116,62 @@ static bool is_plain(const scan *cloud)
 		   scan_find(cloud, "y") == &cloud->column[1] && scan_find(cloud, "z") == &cloud->column[2];
 }
 
-gw_status xyz_write(output_file *out, const scan *cloud, gw_error *error)
+static gw_status write_xyz_head(output_file *out, const format_whole *whole, const scan *cloud,
+								gw_error *error)
 {
+	(void)whole;
 	for (size_t c = 0; c < cloud->comment_count; c++) {
 		output_file_print(out, NULL, "# ");
 		GW_TRY(write_word(out, cloud->comment[c], "", ' ', error));
 		output_file_print(out, NULL, "\n");
 	}
-	if (!is_plain(cloud)) {
-		output_file_print(out, NULL, "# ");
-		GW_TRY(write_names(out, cloud, " ", " \",;", error));
-	}
+	if (is_plain(cloud))
+		return GW_OK;
+	output_file_print(out, NULL, "# ");
+	return write_names(out, cloud, " ", " \",;", error);
+}
+
+static gw_status write_xyz_rows(output_file *out, const format_whole *whole, const scan *part,
+								gw_error *error)
+{
+	(void)whole;
+	return write_table(out, part, " ", error);
+}
+
+static gw_status write_csv_head(output_file *out, const format_whole *whole, const scan *cloud,
+								gw_error *error)
+{
+	(void)whole;
+	return write_names(out, cloud, ",", "\",;", error);
+}
+
+static gw_status write_csv_rows(output_file *out, const format_whole *whole, const scan *part,
+								gw_error *error)
+{
+	(void)whole;
+	return write_table(out, part, ",", error);
+}
+
+gw_status xyz_write(output_file *out, const scan *cloud, gw_error *error)
+{
+	GW_TRY(write_xyz_head(out, NULL, cloud, error));
 	return write_table(out, cloud, " ", error);
 }
 
 gw_status csv_write(output_file *out, const scan *cloud, gw_error *error)
 {
-	GW_TRY(write_names(out, cloud, ",", "\",;", error));
+	GW_TRY(write_csv_head(out, NULL, cloud, error));
 	return write_table(out, cloud, ",", error);
 }
+
+const format_parted xyz_parted = {
+	.any_length = true,
+	.write_head = write_xyz_head,
+	.write_rows = write_xyz_rows,
+};
+
+const format_parted csv_parted = {
+	.any_length = true,
+	.write_head = write_csv_head,
+	.write_rows = write_csv_rows,
+};

@@ -234,6 +234,7 @@ const format xyz_format = {
 	.read = xyz_read,
 	.text = true,
 	.write = xyz_write,
+	.parted = &xyz_parted,
 };
 
 static const char *const csv_extensions[] = { "csv", NULL };
@@ -245,4 +246,5 @@ const format csv_format = {
 	.read = xyz_read,
 	.text = true,
 	.write = csv_write,
+	.parted = &csv_parted,
 };

@@ -1,5 +1,6 @@
-# A cloud that memory does not hold goes to LAS, LAZ and E57 part by part: the bytes that the PLY of
-# the same bake becomes at once, by any number of threads, in tiles too, and mixed part by part.
+# A cloud that memory does not hold goes to LAS, LAZ, E57, PCD and .cloud part by part: the bytes
+# that the PLY of the same bake becomes at once, by any number of threads, in tiles too, and mixed
+# part by part.
 # sanitize: no
 . "$SOURCE/tests/cli/shared_functions"
 ${LOOK_FOR_DEVICE:-glowworm info --devices} >/dev/null 2>&1 ||
@@ -12,7 +13,7 @@ bake_all() { glowworm bake "$@" --strays keep --effects lamps --light "$lamp"; }
 # Floats, which LAS has no grid for but a fine one; and what was LAZ, whose grid it keeps.
 for input in cave.ply cave.laz; do
 	bake $input -q -f -o lit.ply
-	for output in las laz e57; do
+	for output in las laz e57 pcd cloud; do
 		bake $input -f -o lit.$output 2>&1 | grep -c 'others make'
 		glowworm convert -f lit.ply whole.$output
 		cmp lit.$output whole.$output && echo "$input to $output: the same"
@@ -23,10 +24,10 @@ bake cave.laz -q --resume -o resumed.las && cmp resumed.las lit.las
 # Places in LAZ are not known before; of tiles they need not be.
 run 2 bake cave.laz --strays keep --memory 278M --light "$lamp" --resume -o resumed.laz
 make_cave --points 30000 -o small.ply
-for output in ply laz e57; do
+for output in ply laz e57 pcd cloud; do
 	bake_all small.ply -q -j 1 --tiles 3 --rays 16 --resume -o tiled.$output
 done
-for output in laz e57; do
+for output in laz e57 pcd cloud; do
 	glowworm convert tiled.ply whole-tiled.$output
 	cmp tiled.$output whole-tiled.$output && echo "tiles to $output: the same"
 done
