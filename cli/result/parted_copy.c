@@ -22,15 +22,15 @@ static bool needs_scanners(const parted_copy *c)
 	return c->parts.found->needs_all && !c->format->needs_all;
 }
 
-/* What the first part says of whether all points are better read at once. */
+/* What the first point, or the first part, says of whether all are better read at once. */
 static gw_status look_at_first(parted_copy *c, bool *parted, gw_error *error)
 {
 	scan first;
 	bool packed = c->parts.found->packed;
 	if (!packed && !needs_scanners(c))
 		return GW_OK;
-	GW_TRY(parted_copy_read(c, 0, &first, error));
-	bool all = packed || (needs_scanners(c) && format_parts_need_all(&c->parts, &first));
+	GW_TRY(format_parts_read(&c->parts, 0, packed ? 1 : c->step, &first, error));
+	bool all = packed || format_parts_need_all(&c->parts, &first);
 	*parted = !(all && memory_holds(c, &first));
 	scan_clear(&first);
 	return GW_OK;
