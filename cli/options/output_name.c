@@ -59,7 +59,8 @@ gw_status output_name_check_step(const settings *s, bool degrees, gw_error *erro
 	if (!degrees || s->las_step <= FEW_DEGREES)
 		return GW_OK;
 	return gw_fail(error, GW_ERROR_USAGE,
-				   "--las-step %g: x and y are degrees, of which that is up to %.2g m; 1e-9 is a "
+				   "--las-step %g: x and y are degrees, or look like them, of which that is up to "
+				   "%.2g m; 1e-9 is a "
 				   "tenth of a millimetre",
 				   (double)s->las_step, DEGREE_METRES * (double)s->las_step);
 }

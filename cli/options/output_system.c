@@ -50,10 +50,11 @@ gw_status output_system_settle(const format *to, scan *cloud, bool quiet, gw_err
 	return GW_OK;
 }
 
-gw_status output_system_check_step(const settings *s, const scan *cloud, gw_error *error)
+gw_status output_system_check_step(const settings *s, const scan *cloud, const double low[3],
+								   const double high[3], gw_error *error)
 {
 	bool degrees = false;
 	if (s->las_step > 0.0f)
-		GW_TRY(coordinates_say_degrees(cloud, &degrees, error));
+		GW_TRY(coordinates_say_degrees(cloud, low, high, &degrees, error));
 	return output_name_check_step(s, degrees, error);
 }

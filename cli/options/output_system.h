@@ -13,7 +13,9 @@
  * formats. GW_ERROR_MEMORY. */
 gw_status output_system_settle(const format *to, scan *cloud, bool quiet, gw_error *error);
 
-/* output_name_check_step by what the points' file said. GW_ERROR_MEMORY. */
-gw_status output_system_check_step(const settings *s, const scan *cloud, gw_error *error);
+/* output_name_check_step by what the points' file said, or by how they look; as
+ * coordinates_say_degrees, whose low and high are taken. GW_ERROR_MEMORY. */
+gw_status output_system_check_step(const settings *s, const scan *cloud, const double low[3],
+								   const double high[3], gw_error *error);
 
 #endif

@@ -3,6 +3,7 @@
 
 #include "glowworm_host.h"
 #include "options/output_name.h"
+#include "options/output_system.h"
 #include "program/signals.h"
 
 #include <stdio.h>
@@ -109,6 +110,13 @@ gw_status parted_copy_settle(parted_copy *c, bool *parted, gw_error *error)
 void parted_copy_settle_shift(parted_copy *c)
 {
 	output_shift_settle(c->shift, c->parts.minimum, c->parts.maximum, c->settings->quiet);
+}
+
+/* LAS and its kin, which alone have a step, are surveyed: all parts were read. */
+gw_status parted_copy_check_step(const parted_copy *c, gw_error *error)
+{
+	return output_system_check_step(c->settings, &c->told, c->parts.minimum, c->parts.maximum,
+									error);
 }
 
 /* --------------------------------------------------------------------------------- part by part

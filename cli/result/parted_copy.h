@@ -49,6 +49,9 @@ gw_status parted_copy_settle(parted_copy *copy, bool *parted, gw_error *error);
 /* Chooses the shift by all points, after that, as output_shift_settle does. */
 void parted_copy_settle_shift(parted_copy *copy);
 
+/* Then checks --las-step, as output_system_check_step does. */
+gw_status parted_copy_check_step(const parted_copy *copy, gw_error *error);
+
 /* The points from number `first` on, a part of them; to be freed with scan_clear. */
 gw_status parted_copy_read(parted_copy *copy, uint64_t first, scan *part, gw_error *error);
 

@@ -149,7 +149,7 @@ static gw_status convert_whole(conversion *c, scan *cloud, gw_error *error)
 	note_holes(s, c->to, count_holes(cloud), cloud->count);
 	note_pictures(s, c->to, cloud);
 	output_shift_settle_by(&c->shift, cloud, s->quiet);
-	GW_TRY(output_system_check_step(s, cloud, error));
+	GW_TRY(output_system_check_step(s, cloud, NULL, NULL, error));
 	GW_TRY(change(c, cloud, error));
 	GW_TRY(output_system_settle(c->to, cloud, s->quiet, error));
 	return c->to->write(c->out, cloud, error);
@@ -173,7 +173,7 @@ static gw_status convert_parts(conversion *c, gw_error *error)
 	uint64_t holes = 0, count = c->copy.parts.count;
 	note_reading(c->settings, &c->copy.told);
 	parted_copy_settle_shift(&c->copy);
-	GW_TRY(output_system_check_step(c->settings, &c->copy.told, error));
+	GW_TRY(parted_copy_check_step(&c->copy, error));
 	for (uint64_t first = 0; first < count; first += c->copy.step)
 		GW_TRY(convert_part(c, first, &holes, error));
 	note_holes(c->settings, c->to, holes, count);

@@ -171,7 +171,6 @@ static gw_status finish_part(const mixing *m, mixed_part *part)
 	GW_TRY(add_command(m, &part->cloud));
 	if (wants_preview(m, &part->cloud))
 		GW_TRY(make_preview(m, part));
-	GW_TRY(output_system_check_step(m->settings, &part->cloud, m->error));
 	bake_columns_round(&part->cloud, m->settings);
 	return output_shift_apply(&m->shift, &part->cloud, m->error);
 }
@@ -246,6 +245,7 @@ static gw_status write_part(mixing *m, mixed_part *part)
 
 static gw_status mix_parts(mixing *m)
 {
+	GW_TRY(parted_copy_check_step(&m->copy, m->error));
 	parted_copy_settle_shift(&m->copy);
 	m->exposure = meters(m, &m->copy.told) ? NAN : (double)m->settings->exposure;
 	m->passes = isnan(m->exposure) ? 3 : 1;
@@ -272,6 +272,8 @@ static gw_status mix_whole(mixing *m)
 	if (status == GW_OK)
 		m->exposure = meters(m, &all.cloud) ? preview_exposure(all.radiance, NULL, all.cloud.count)
 											: (double)s->exposure;
+	if (status == GW_OK)
+		status = output_system_check_step(s, &all.cloud, NULL, NULL, m->error);
 	if (status == GW_OK)
 		status = output_scanners_settle(m->format, &all.cloud, s->quiet, m->error);
 	if (status == GW_OK) {

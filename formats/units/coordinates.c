@@ -235,15 +235,18 @@ static bool is_geographic(const char *wkt)
 		   (strstr(wkt, "GEOGCS") || strstr(wkt, "GEOGCRS") || strstr(wkt, "GEODCRS"));
 }
 
-gw_status coordinates_say_degrees(const scan *cloud, bool *degrees, gw_error *error)
+gw_status coordinates_say_degrees(const scan *cloud, const double low[3], const double high[3],
+								  bool *degrees, gw_error *error)
 {
 	system_name wkt = { 0 }, keys = { 0 };
-	bounds b = find_bounds(cloud);
+	bounds b = low && high ? (bounds){ { low[0], low[1], low[2] }, { high[0], high[1], high[2] } }
+						   : find_bounds(cloud);
 	gw_status status = las_note_join(cloud, "wkt", &wkt.text, error);
 	if (status == GW_OK)
 		status = name_by_keys(cloud, &keys, error);
-	bool named = wkt.text && *wkt.text;
-	*degrees = (named ? is_geographic(wkt.text) : keys.geographic) && can_be_degrees(&b);
+	bool named = wkt.text && *wkt.text, silent = !named && !keys.text && !(keys.linear > 0.0);
+	bool said = named ? is_geographic(wkt.text) : keys.geographic;
+	*degrees = (said && can_be_degrees(&b)) || (silent && look_like_degrees(&b));
 	free(wkt.text);
 	free(keys.text);
 	return status;

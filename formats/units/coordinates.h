@@ -59,9 +59,11 @@ void coordinates_clear(coordinates *c);
  * GW_ERROR_MEMORY. */
 gw_status coordinates_add_wkt(scan *cloud, bool *missing, gw_error *error);
 
-/* Whether the WKT or GeoTIFF keys that its file had say that x and y of a scan are degrees, and
- * they can be. GW_ERROR_MEMORY. */
-gw_status coordinates_say_degrees(const scan *cloud, bool *degrees, gw_error *error);
+/* Whether x and y of a scan are degrees: the WKT or GeoTIFF keys that its file had say so, and they
+ * can be; or nothing says what they are, and they look like degrees. GW_ERROR_MEMORY.
+ *   low, high   of its finite coordinates; NULL: those of the scan, which has all of them */
+gw_status coordinates_say_degrees(const scan *cloud, const double low[3], const double high[3],
+								  bool *degrees, gw_error *error);
 
 /* Sees that systems which files name can be looked up. GW_ERROR_INTERNAL where the plugin or PROJ's
  * data is missing; GW_ERROR_MEMORY. */

@@ -44,6 +44,17 @@ for step in 0.0001 1e-9; do
 	glowworm convert keys.xyz x.laz --las-step $step 2>&1
 	echo "status $?"
 done
+# Nor where they only look like it: of all points, a part of which does not, and mixed.
+glowworm convert degrees.txt w.laz --las-step 0.0001 2>&1
+echo "status $?"
+glowworm convert degrees.txt plain.ply
+glowworm convert plain.ply w.laz --las-step 0.0001 2>&1
+echo "status $?"
+glowworm bake degrees.txt -q --units degrees --fields lights --light 'point name a at 10,50,9 intensity 9' \
+	--rays 8 -o lamps.ply
+glowworm mix lamps.ply --gain a=2 --las-step 0.0001 -o y.laz 2>&1
+echo "status $?"
+glowworm convert plain.ply z.laz --las-step 1e-9
 # The same camera, said in the coordinates of either.
 for name in metres feet; do
 	units=m

@@ -113,7 +113,8 @@ static void degrees_become_metres(void **state)
 }
 
 /* What a file's text says, which nobody has to look up: not of a projected system, which names the
- * degrees that it is projected from, and not where coordinates cannot be degrees. */
+ * degrees that it is projected from, and not where coordinates cannot be degrees. Where nothing is
+ * said they may look so. */
 static void texts_say_degrees(void **state)
 {
 	(void)state;
@@ -128,7 +129,8 @@ static void texts_say_degrees(void **state)
 		{ "las wkt GEOGCS[\"WGS 84\"]", false, true },
 		{ "las wkt PROJCS[\"m\",GEOGCS[\"g\"]]", false, false },
 		{ "las wkt COMPOUNDCRS[\"c\",GEOGCRS[\"g\"],VERTCRS[\"v\"]]", false, true },
-		{ "said", false, false },
+		{ "said", false, true },
+		{ "said", true, false },
 	};
 	for (size_t r = 0; r < sizeof row / sizeof *row; r++) {
 		gw_error error = { 0 };
@@ -136,7 +138,7 @@ static void texts_say_degrees(void **state)
 		scan cloud =
 			row[r].far ? make_cloud(feet_low, feet_high) : make_cloud(degrees_low, degrees_high);
 		assert_int_equal(scan_add_comment(&cloud, row[r].text, &error), GW_OK);
-		assert_int_equal(coordinates_say_degrees(&cloud, &degrees, &error), GW_OK);
+		assert_int_equal(coordinates_say_degrees(&cloud, NULL, NULL, &degrees, &error), GW_OK);
 		assert_int_equal(degrees, row[r].degrees);
 		scan_clear(&cloud);
 	}
