@@ -64,6 +64,21 @@ void gw_parallel_for(uint32_t threads, size_t count, size_t chunk, gw_parallel_w
  * `many`; one of the two pointers is returned. */
 const char *gw_plural(uint64_t number, const char *one, const char *many);
 
+/*
+ * A number as people write it, for messages: 5.3 million and not 5.3e+06, 12350 and not 1.235e+04.
+ * Whole thousands of a million and more are said in words, up to 1000 trillion; below a millionth
+ * there are exponents.
+ *   digits   1 to 15: to so many it is rounded
+ *   text     receives it; returned
+ */
+#define GW_SAID_NUMBER 40
+const char *gw_say_number(double value, int digits, char text[GW_SAID_NUMBER]);
+#define GW_SAID(value, digits) gw_say_number(value, digits, (char[GW_SAID_NUMBER]){ 0 })
+
+/* The same for a coordinate: six digits, or as many as it takes to a thousandth, and no words. */
+const char *gw_say_place(double value, char text[GW_SAID_NUMBER]);
+#define GW_SAID_PLACE(value) gw_say_place(value, (char[GW_SAID_NUMBER]){ 0 })
+
 #ifdef __GNUC__
 #pragma GCC visibility pop
 #endif

@@ -1,5 +1,6 @@
 /* light_keys.c - the keys of lights, and what they mean together; see light_text.h. */
 #include "lamps/light_text.h"
+#include "glowworm_host.h"
 
 #include "glowworm_picture.h"
 #include "files/number_text.h"
@@ -183,8 +184,8 @@ static gw_status check_extent(const double *metres, size_t count, gw_error *erro
 {
 	for (size_t k = 0; k < count; k++)
 		if (!(metres[k] >= EXTENT_LEAST && metres[k] <= EXTENT_MOST))
-			return gw_fail(error, GW_ERROR_USAGE, "it must be from %g to %g m", EXTENT_LEAST,
-						   EXTENT_MOST);
+			return gw_fail(error, GW_ERROR_USAGE, "it must be from %s to %s m",
+						   GW_SAID(EXTENT_LEAST, 15), GW_SAID(EXTENT_MOST, 15));
 	return GW_OK;
 }
 
@@ -209,8 +210,8 @@ static gw_status check_range(light_key_id key, const double *values, gw_error *e
 	if (key == LIGHT_KEY_RADIUS && values[0] != 0.0)
 		GW_TRY(check_extent(values, 1, error));
 	if (key == LIGHT_KEY_KELVIN && !(values[0] >= KELVIN_LEAST && values[0] <= KELVIN_MOST))
-		return gw_fail(error, GW_ERROR_USAGE, "it must be from %g to %g", KELVIN_LEAST,
-					   KELVIN_MOST);
+		return gw_fail(error, GW_ERROR_USAGE, "it must be from %s to %s", GW_SAID(KELVIN_LEAST, 15),
+					   GW_SAID(KELVIN_MOST, 15));
 	if (key == LIGHT_KEY_TURBIDITY &&
 		!(values[0] >= SKY_TURBIDITY_LEAST && values[0] <= SKY_TURBIDITY_MOST))
 		return gw_fail(error, GW_ERROR_USAGE, "it must be from %g to %g", SKY_TURBIDITY_LEAST,
@@ -520,8 +521,8 @@ static gw_status check_beam(const lamp *light, unsigned given, gw_error *error)
 					   "'lumens' and 'distance' say how wide it is; leave out its angles");
 	if (light->measure == LIGHT_KEY_LUMENS && !(beam_cosine(light) >= -1.0))
 		return gw_fail(error, GW_ERROR_USAGE,
-					   "so many lumens fill no cone that gives 0.25 lx no further than %g m away",
-					   light->distance);
+					   "so many lumens fill no cone that gives 0.25 lx no further than %s m away",
+					   GW_SAID(light->distance, 6));
 	return GW_OK;
 }
 
@@ -644,15 +645,15 @@ static gw_status check_angles(const gw_light *l, gw_error *error)
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "an outer angle of 0 degrees leaves the spot no beam");
 	if (l->type == GW_LIGHT_SPOT && l->outer_angle > 180.0f)
-		return gw_fail(error, GW_ERROR_USAGE, "the outer angle is %g degrees; 180 is all around",
-					   (double)l->outer_angle);
+		return gw_fail(error, GW_ERROR_USAGE, "the outer angle is %s degrees; 180 is all around",
+					   GW_SAID((double)l->outer_angle, 6));
 	if (l->type == GW_LIGHT_SPOT && l->inner_angle > l->outer_angle)
 		return gw_fail(error, GW_ERROR_USAGE,
-					   "the inner angle of %g degrees is larger than the outer one of %g",
-					   (double)l->inner_angle, (double)l->outer_angle);
+					   "the inner angle of %s degrees is larger than the outer one of %s",
+					   GW_SAID((double)l->inner_angle, 6), GW_SAID((double)l->outer_angle, 6));
 	if (l->type == GW_LIGHT_SUN && l->angle > 180.0f)
-		return gw_fail(error, GW_ERROR_USAGE, "a sun %g degrees wide is no sun; use an environment",
-					   (double)l->angle);
+		return gw_fail(error, GW_ERROR_USAGE, "a sun %s degrees wide is no sun; use an environment",
+					   GW_SAID((double)l->angle, 6));
 	return GW_OK;
 }
 

@@ -2,6 +2,7 @@
  * Values of options from text and back.
  */
 #include "program/nearest_name.h"
+#include "glowworm_host.h"
 #include "files/number_text.h"
 #include "options/options.h"
 #include "options/scanner_text.h"
@@ -41,31 +42,9 @@ void option_argument(const option *o, char text[OPTION_VALUE])
 				 o->automatic ? "|" : "", o->argument);
 }
 
-#define LIMIT_TEXT 40
-
-/* As people write it: 16 million. */
-static void print_limit(double value, char text[LIMIT_TEXT])
-{
-	static const struct {
-		double one;
-		const char *name;
-	} large[] = { { 1e12, "trillion" }, { 1e9, "billion" }, { 1e6, "million" } };
-	snprintf(text, LIMIT_TEXT, "%.15g", value);
-	for (size_t i = 0; i < sizeof large / sizeof *large; i++) {
-		double count = value / large[i].one;
-		if (count < 1.0 || count >= 1000.0 || count != trunc(count))
-			continue;
-		snprintf(text, LIMIT_TEXT, "%g %s", count, large[i].name);
-		return;
-	}
-	char *plus = strstr(text, "e+");
-	if (plus)
-		memmove(plus + 1, plus + 2, strlen(plus + 1));
-}
-
 void option_legal(const option *o, char text[OPTION_VALUE])
 {
-	char least[LIMIT_TEXT], most[LIMIT_TEXT];
+	char least[GW_SAID_NUMBER], most[GW_SAID_NUMBER];
 	text[0] = '\0';
 	const char *(*choice)(int) = choices_of(o);
 	for (int i = 0; choice && choice(i); i++)
@@ -74,8 +53,8 @@ void option_legal(const option *o, char text[OPTION_VALUE])
 				 : choice(i + 1) ? ", "
 								 : " or ",
 				 choice(i));
-	print_limit(o->minimum, least);
-	print_limit(o->maximum, most);
+	gw_say_number(o->minimum, 15, least);
+	gw_say_number(o->maximum, 15, most);
 	if (o->type == OPTION_COUNT || o->type == OPTION_REAL)
 		snprintf(text, OPTION_VALUE,
 				 o->open                   ? "above %s and below %s"

@@ -1,5 +1,5 @@
 #include "options/output_name.h"
-#include "options/settings.h"
+#include "glowworm_host.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -59,8 +59,8 @@ gw_status output_name_check_step(const settings *s, bool degrees, gw_error *erro
 	if (!degrees || s->las_step <= FEW_DEGREES)
 		return GW_OK;
 	return gw_fail(error, GW_ERROR_USAGE,
-				   "--las-step %g: x and y are degrees, or look like them, of which that is up to "
-				   "%.2g m; 1e-9 is a "
-				   "tenth of a millimetre",
-				   (double)s->las_step, DEGREE_METRES * (double)s->las_step);
+				   "--las-step %s: x and y are degrees, or look like them, of which that is up to "
+				   "%s m; 1e-9 is a tenth of a millimetre",
+				   GW_SAID((double)s->las_step, 6),
+				   GW_SAID(DEGREE_METRES * (double)s->las_step, 2));
 }

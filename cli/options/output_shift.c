@@ -1,5 +1,6 @@
 /* output_shift.c - see output_shift.h. */
 #include "options/output_shift.h"
+#include "glowworm_host.h"
 #include "files/number_text.h"
 #include "points/format.h"
 #include "points/scan_shift.h"
@@ -51,9 +52,9 @@ void output_shift_settle(output_shift *shift, const double low[3], const double 
 		return;
 	if (!shift->wanted) {
 		fprintf(stderr,
-				"glowworm: note: all coordinates are below %g, which floats resolve; they "
+				"glowworm: note: all coordinates are below %s, which floats resolve; they "
 				"are written without a shift\n",
-				SCAN_SHIFT_LEAST);
+				GW_SAID(SCAN_SHIFT_LEAST, 6));
 		return;
 	}
 	double most = 0.0;
@@ -63,8 +64,8 @@ void output_shift_settle(output_shift *shift, const double low[3], const double 
 	/* Half of the distance between floats. */
 	fprintf(stderr,
 			"glowworm: note: coordinates are written as floats, less %.12g,%.12g,%.12g, which "
-			"rounds them by %.1g at most\n",
-			shift->by[0], shift->by[1], shift->by[2], most * (double)FLT_EPSILON / 2.0);
+			"rounds them by %s at most\n",
+			shift->by[0], shift->by[1], shift->by[2], GW_SAID(most * (double)FLT_EPSILON / 2.0, 1));
 }
 
 void output_shift_settle_by(output_shift *shift, const scan *cloud, bool quiet)

@@ -265,17 +265,17 @@ static gw_status check_width(const gw_surfels *surfels, gw_error *error)
 		width = fmax(width, (double)surfels->maximum[k] - (double)surfels->minimum[k]);
 	if (surfels->count == 1)
 		return gw_fail(error, GW_ERROR_DATA,
-					   "all points stand at one place, %g, %g, %g, so there is nothing to see: the "
+					   "all points stand at one place, %s, %s, %s, so there is nothing to see: the "
 					   "file has no other coordinates, or the program that wrote it lost them",
-					   surfels->origin[0] + (double)surfels->position[0],
-					   surfels->origin[1] + (double)surfels->position[1],
-					   surfels->origin[2] + (double)surfels->position[2]);
+					   GW_SAID_PLACE(surfels->origin[0] + (double)surfels->position[0]),
+					   GW_SAID_PLACE(surfels->origin[1] + (double)surfels->position[1]),
+					   GW_SAID_PLACE(surfels->origin[2] + (double)surfels->position[2]));
 	if (surfels->count < 2 || width >= WIDTH_LEAST)
 		return GW_OK;
 	return gw_fail(error, GW_ERROR_DATA,
-				   "the points lie within %.3g m, and pictures need %g m at least: check the unit "
+				   "the points lie within %s m, and pictures need %s m at least: check the unit "
 				   "of their coordinates, or scale them up",
-				   width, WIDTH_LEAST);
+				   GW_SAID(width, 3), GW_SAID(WIDTH_LEAST, 3));
 }
 
 static gw_status choose(void *user, const gw_surfels *surfels, uint8_t *chosen, gw_error *error)

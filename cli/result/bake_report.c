@@ -432,9 +432,10 @@ static void tell_gaps(const gw_report *r, const char *lead)
 	else
 		fprintf(stderr,
 				"%snobody knows which of %" PRIu32 " holes of the surface are windows, the widest "
-				"%.3g m at %.6g,%.6g,%.6g; --scanner X,Y,Z, where one stood, tells it, --gaps "
+				"%s m at %s,%s,%s; --scanner X,Y,Z, where one stood, tells it, --gaps "
 				"black or --gaps mean closes all\n",
-				lead, r->gaps.holes, r->gaps.hole_width, at[0], at[1], at[2]);
+				lead, r->gaps.holes, GW_SAID(r->gaps.hole_width, 3), GW_SAID_PLACE(at[0]),
+				GW_SAID_PLACE(at[1]), GW_SAID_PLACE(at[2]));
 }
 
 static double doubt_size(const gw_report *r, doubt which)
@@ -573,13 +574,13 @@ static void note_holes(const settings *s, const gw_report *r)
 		bright[TEXT_PERCENT];
 	const double *at = r->gaps.hole_place;
 	fprintf(stderr,
-			"glowworm: note: the surface has %" PRIu32
-			" hole%s, the widest %.3g m at %.6g,%.6g,%.6g: "
+			"glowworm: note: the surface has %" PRIu32 " hole%s, the widest %s m at %s,%s,%s: "
 			"%s %% of the directions that light is gathered from, %s %% of the sky's light and "
 			"%s %% of what lamps and suns send pass there; were they black, the light would be "
 			"%s %% of what it is, as bright as what surrounds them, %s %%; nobody knows which of "
 			"them are windows: --scanner says what was looked at, %s\n",
-			r->gaps.holes, r->gaps.holes == 1 ? "" : "s", r->gaps.hole_width, at[0], at[1], at[2],
+			r->gaps.holes, r->gaps.holes == 1 ? "" : "s", GW_SAID(r->gaps.hole_width, 3),
+			GW_SAID_PLACE(at[0]), GW_SAID_PLACE(at[1]), GW_SAID_PLACE(at[2]),
 			text_percent(r->gaps.share, share), text_percent(r->gaps.sky, sky),
 			text_percent(r->gaps.lamps, lamps), text_percent(r->gaps.black, black),
 			text_percent(r->gaps.bright, bright), how_to_close(s));
@@ -756,7 +757,7 @@ static void time_text(double seconds, char text[32])
 	else if (seconds < 5400.0)
 		snprintf(text, 32, "%.0f min", seconds / 60.0);
 	else
-		snprintf(text, 32, "%.2g h", seconds / 3600.0);
+		snprintf(text, 32, "%s h", GW_SAID(seconds / 3600.0, 2));
 }
 
 /* A part of the error that no finer setting lessens. */
@@ -906,8 +907,8 @@ void bake_report_summary(const bake_facts *f)
 					 f->scene->input[i].format->name, f->scene->input[i].points,
 					 f->scene->input[i].albedo_source);
 	fprintf(stderr, "glowworm: device: %s\n", r->device);
-	fprintf(stderr, "glowworm: octree: depth %" PRIu32 ", leaves of %.4g m, %" PRIu64 " of them\n",
-			r->depth, r->leaf_size, r->leaves);
+	fprintf(stderr, "glowworm: octree: depth %" PRIu32 ", leaves of %s m, %" PRIu64 " of them\n",
+			r->depth, GW_SAID(r->leaf_size, 4), r->leaves);
 	fprintf(stderr, "glowworm: %" PRIu32 " bounces; the rest would add at most %.2g of the light\n",
 			r->bounce_count, r->remaining);
 	if (r->region_points > 0)

@@ -1,4 +1,5 @@
 #include "scene/loaded_scene.h"
+#include "glowworm_host.h"
 
 #include "scene/scene_instances.h"
 #include "scene/floor_places.h"
@@ -330,14 +331,14 @@ gw_status loaded_scene_mesh_count(const mesh *m, double density, const char *nam
 	double exact = round(density * m->area);
 	if (!(exact >= 1.0))
 		return gw_fail(error, GW_ERROR_DATA,
-					   "%s: %.3g m^2 with %.3g points a square metre hold no point; give a larger "
+					   "%s: %s m^2 with %s points a square metre hold no point; give a larger "
 					   "density",
-					   name, m->area, density);
+					   name, GW_SAID(m->area, 3), GW_SAID(density, 3));
 	if (!(exact <= 0x1p53))
 		return gw_fail(error, GW_ERROR_DATA,
-					   "%s: %.3g m^2 with %.3g points a square metre are too many points; give a "
+					   "%s: %s m^2 with %s points a square metre are too many points; give a "
 					   "smaller density",
-					   name, m->area, density);
+					   name, GW_SAID(m->area, 3), GW_SAID(density, 3));
 	*count = (uint64_t)exact;
 	return GW_OK;
 }

@@ -1,4 +1,5 @@
 #include "scene/scene_file.h"
+#include "glowworm_host.h"
 #include "files/input_file.h"
 #include "scene/json_place.h"
 #include "meshes/mesh.h"
@@ -118,7 +119,7 @@ static gw_status take_color(const reader *r, json_t *value, double most, float c
 		color[k] = (float)number;
 		if (!(number >= 0.0 && number <= most && isfinite(color[k])))
 			GW_TRY(isinf(most) ? fail_here(r, "it must be 0 or more")
-							   : fail_here(r, "it must be 0 to %g", most));
+							   : fail_here(r, "it must be 0 to %s", GW_SAID(most, 15)));
 	}
 	return GW_OK;
 }

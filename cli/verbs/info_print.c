@@ -2,6 +2,7 @@
  * info_print.c - what is known of a file as text and as JSON, see info_facts.h.
  */
 #include "verbs/info_facts.h"
+#include "glowworm_host.h"
 #include "program/json_writer.h"
 #include "program/text_quote.h"
 
@@ -165,8 +166,9 @@ static void print_strays(const gw_stray_count *stray)
 		const double *at = stray[kind].position;
 		if (stray[kind].points == 0)
 			continue;
-		printf("%s %" PRIu64 " %s, as at %.9g %.9g %.9g", before, stray[kind].points,
-			   gw_stray_kind_name((gw_stray_kind)kind), at[0], at[1], at[2]);
+		printf("%s %" PRIu64 " %s, as at %s %s %s", before, stray[kind].points,
+			   gw_stray_kind_name((gw_stray_kind)kind), GW_SAID_PLACE(at[0]), GW_SAID_PLACE(at[1]),
+			   GW_SAID_PLACE(at[2]));
 		before = ";";
 	}
 	if (*before == ';')
@@ -212,9 +214,9 @@ static void print_places(const info_facts *f)
 static void print_measures(const info_facts *f)
 {
 	const gw_statistics *s = &f->statistics;
-	printf("  spacing    %.4g m (5th percentile %.4g, 95th %.4g)\n", s->spacing[1], s->spacing[0],
-		   s->spacing[2]);
-	printf("  density    %.4g points/m^2\n", s->density);
+	printf("  spacing    %s m (5th percentile %s, 95th %s)\n", GW_SAID(s->spacing[1], 4),
+		   GW_SAID(s->spacing[0], 4), GW_SAID(s->spacing[2], 4));
+	printf("  density    %s points/m^2\n", GW_SAID(s->density, 4));
 	if (f->of_points.normal)
 		printf("  normals    %" PRIu64 " given, of mean length %.4g; %" PRIu64 " bad\n",
 			   s->normals_given, f->normal_length, s->normals_bad);

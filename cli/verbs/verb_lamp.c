@@ -1,4 +1,5 @@
 #include "verbs/verbs.h"
+#include "glowworm_host.h"
 #include "files/output_file.h"
 #include "lamps/light_preset.h"
 #include "lamps/polar_picture.h"
@@ -79,20 +80,22 @@ static void write_flux(const lamp_show *w, FILE *out)
 	const luminaire *l = &w->lamp;
 	const char *of;
 	double lumens = stated(l, &of);
-	fprintf(out, "  flux       %.6g lm by its intensities", w->facts.lumens);
+	fprintf(out, "  flux       %s lm by its intensities", GW_SAID(w->facts.lumens, 6));
 	if (of)
-		fprintf(out, ", %.1f %% of the %.6g lm %s", 100.0 * w->facts.lumens / lumens, lumens, of);
+		fprintf(out, ", %.1f %% of the %s lm %s", 100.0 * w->facts.lumens / lumens,
+				GW_SAID(lumens, 6), of);
 	else
 		fprintf(out, "; the file states none");
 	fprintf(out, "; %.1f %% downward\n", 100.0 * w->facts.downward);
 	if (exceeds_its_lamps(w))
 		fprintf(out,
-				"  doubt      no luminaire gives more than its lamps, here %.6g lm: ask its maker "
+				"  doubt      no luminaire gives more than its lamps, here %s lm: ask its maker "
 				"which "
 				"is right, and give the light's lumens with --light '... lumens N'\n",
-				l->lamp_lumens);
+				GW_SAID(l->lamp_lumens, 6));
 	if (l->watts > 0.0)
-		fprintf(out, "  input      %.4g W, %.4g lm/W\n", l->watts, w->facts.lumens / l->watts);
+		fprintf(out, "  input      %s W, %s lm/W\n", GW_SAID(l->watts, 4),
+				GW_SAID(w->facts.lumens / l->watts, 4));
 }
 
 static void write_size(const luminaire *l, FILE *out)
@@ -119,8 +122,8 @@ static void write_text(const lamp_show *w, FILE *out)
 	if (l->lamp[0])
 		fprintf(out, "  lamp       %s\n", l->lamp);
 	write_flux(w, out);
-	fprintf(out, "  largest    %.6g cd, %.4g degrees from the axis in plane C %.4g\n", l->candela,
-			f->peak_gamma, f->peak_c);
+	fprintf(out, "  largest    %s cd, %.4g degrees from the axis in plane C %.4g\n",
+			GW_SAID(l->candela, 6), f->peak_gamma, f->peak_c);
 	fprintf(out, "  beam       %.1f degrees (50 %%) in C 0-180, %.1f in C 90-270\n", f->beam[0],
 			f->beam[1]);
 	fprintf(out, "  field      %.1f degrees (10 %%) in C 0-180, %.1f in C 90-270\n", f->field[0],

@@ -1,4 +1,5 @@
 #include "verbs/verbs.h"
+#include "glowworm_host.h"
 #include "program/json_writer.h"
 #include "program/text_quote.h"
 #include "result/light_measure.h"
@@ -9,10 +10,11 @@
 static void print(const light_measure *m, FILE *out)
 {
 	char percent[TEXT_PERCENT];
-	fprintf(out, "%-12s %s, %zu points on %.4g m^2\n", m->quantity, m->unit, m->points, m->area);
-	fprintf(out, "%-12s %.4g\n", "mean", m->mean);
-	fprintf(out, "%-12s %.4g\n", "least", m->least);
-	fprintf(out, "%-12s %.4g\n", "most", m->most);
+	fprintf(out, "%-12s %s, %zu points on %s m^2\n", m->quantity, m->unit, m->points,
+			GW_SAID(m->area, 4));
+	fprintf(out, "%-12s %s\n", "mean", GW_SAID(m->mean, 4));
+	fprintf(out, "%-12s %s\n", "least", GW_SAID(m->least, 4));
+	fprintf(out, "%-12s %s\n", "most", GW_SAID(m->most, 4));
 	fprintf(out, "%-12s %.3f least over mean, %.3f least over most\n", "uniformity",
 			m->mean > 0.0 ? m->least / m->mean : 0.0, m->most > 0.0 ? m->least / m->most : 0.0);
 	for (size_t i = 0; i < m->lamp_count; i++)

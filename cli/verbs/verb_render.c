@@ -767,7 +767,8 @@ static void summarize(const render *r)
 	fprintf(stderr, "read      %.2f s\n", r->read_seconds);
 	fprintf(stderr, "draw      %.2f s\n", r->draw_seconds);
 	if (r->inner.shown)
-		fprintf(stderr, "shown     %zu, %.4g m wide\n", r->inner.shown, (double)r->inner.size);
+		fprintf(stderr, "shown     %zu, %s m wide\n", r->inner.shown,
+				GW_SAID((double)r->inner.size, 4));
 	if (!r->octree.glossy && !r->octree.voxels)
 		return;
 	fprintf(stderr, "octree    %.2f s to build (of read), %.2f s to look up (of draw)\n",

@@ -1,4 +1,5 @@
 #include "verbs/verbs.h"
+#include "glowworm_host.h"
 #include "scene/file_roles.h"
 #include "scene/stream_roles.h"
 #include "scene/loaded_scene.h"
@@ -61,10 +62,10 @@ static gw_status add_comment(const settings *s, scan *cloud, gw_error *error)
 static void print_summary(const mesh *m, const char *name, uint64_t count)
 {
 	text_message(stderr,
-				 "glowworm: %s: %zu faces, %zu triangles, %zu materials, %.6g m^2; %llu points, "
-				 "%.6g a square metre\n",
-				 name, m->faces, m->triangle_count, m->material_count, m->area,
-				 (unsigned long long)count, (double)count / m->area);
+				 "glowworm: %s: %zu faces, %zu triangles, %zu materials, %s m^2; %llu points, "
+				 "%s a square metre\n",
+				 name, m->faces, m->triangle_count, m->material_count, GW_SAID(m->area, 6),
+				 (unsigned long long)count, GW_SAID((double)count / m->area, 6));
 }
 
 static gw_status sample(const settings *s, mesh *m, scan *cloud, gw_error *error)

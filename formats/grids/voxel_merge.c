@@ -1,4 +1,5 @@
 #include "grids/voxel_merge.h"
+#include "glowworm_host.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -29,8 +30,8 @@ static gw_status sort_places(const gw_voxels *v, double size, place *places, gw_
 			double cell = floor(((double)v->cell[3 * i + k] + 0.5) * v->size / size);
 			if (!(cell >= (double)-CELLS && cell < (double)CELLS))
 				return gw_fail(error, GW_ERROR_USAGE,
-							   "voxels of %g m are too many along an axis; choose larger ones",
-							   size);
+							   "voxels of %s m are too many along an axis; choose larger ones",
+							   GW_SAID(size, 6));
 			places[i].cell = places[i].cell << 21 | (uint64_t)((int64_t)cell + CELLS);
 		}
 	}
@@ -116,9 +117,9 @@ gw_status voxel_merge(const gw_voxels *v, double size, gw_voxels *m, gw_error *e
 	/* A size that was printed with six digits means the voxels' own. */
 	if (!(size >= v->size * (1.0 - 1e-5)))
 		return gw_fail(error, GW_ERROR_USAGE,
-					   "voxels of %g m are asked for, but those of the bake are %g m wide; give a "
+					   "voxels of %s m are asked for, but those of the bake are %s m wide; give a "
 					   "larger --vdb-voxel, or a smaller --leaf-spacing",
-					   size, v->size);
+					   GW_SAID(size, 6), GW_SAID(v->size, 6));
 	place *places = calloc(v->count + 1, sizeof *places);
 	if (!places)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory to merge %zu voxels", v->count);

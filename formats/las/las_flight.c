@@ -1,5 +1,6 @@
 /* las_flight.c - see las_flight.h. */
 #include "las/las_flight.h"
+#include "glowworm_host.h"
 #include "las/las_notes.h"
 
 #include <math.h>
@@ -326,9 +327,9 @@ static gw_status take_scanners(flight *f, scan *cloud, gw_error *error)
 	for (size_t i = 0; i < cloud->count; i++)
 		cloud->scanner_of[i] = scanner_at(f, i);
 	return las_note(cloud, error,
-					"airborne: by their scan angles and times, %zu of %zu points were seen from %g "
-					"to %g high",
-					known, cloud->count, round(low), round(high));
+					"airborne: by their scan angles and times, %zu of %zu points were seen from %s "
+					"to %s high",
+					known, cloud->count, GW_SAID_PLACE(round(low)), GW_SAID_PLACE(round(high)));
 }
 
 /* Whether this is a piece of a flight, too small for angles that tell a height: no window tells or

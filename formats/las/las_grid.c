@@ -1,4 +1,5 @@
 #include "las/las_grid.h"
+#include "glowworm_host.h"
 #include "las/las_notes.h"
 
 #include <math.h>
@@ -187,9 +188,9 @@ gw_status las_grid_search_take(const las_grid_search *s, double step, int axis, 
 	if (!found && !exact && !find_finest(minimum, maximum, middle_of(s), grid))
 		return gw_fail(
 			error, GW_ERROR_DATA,
-			"%s: %s goes from %g to %g, and the 32-bit numbers of LAS would round that to "
+			"%s: %s goes from %s to %s, and the 32-bit numbers of LAS would round that to "
 			"steps of over a millimetre; write PLY",
-			name, axes[axis], minimum, maximum);
+			name, axes[axis], GW_SAID_PLACE(minimum), GW_SAID_PLACE(maximum));
 	double low = las_grid_place(grid, minimum) * grid->scale + grid->offset;
 	double high = las_grid_place(grid, maximum) * grid->scale + grid->offset;
 	grid->minimum = fmin(low, high);

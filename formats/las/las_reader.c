@@ -302,7 +302,8 @@ static gw_status check_bounds(reader *r, const double minimum[3], const double m
 	if (worst <= allowed)
 		return GW_OK;
 	return las_note(r->cloud, r->error,
-					"the header's bounds are wrong by up to %g; those of the points hold", worst);
+					"the header's bounds are wrong by up to %s; those of the points hold",
+					GW_SAID_PLACE(worst));
 }
 
 /* What stands before the points.

@@ -1,6 +1,7 @@
 #include "luminaires/luminaire_lines.h"
 
 #include "files/number_text.h"
+#include "glowworm_host.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -162,8 +163,9 @@ gw_status luminaire_lines_count(luminaire_lines *lines, const char *what, double
 	*count = 0;
 	GW_TRY(luminaire_lines_number(lines, what, &value));
 	if (!(value >= least && value <= most) || value != floor(value))
-		return luminaire_lines_fail(lines, "%s is %g; it must be a whole number from %g to %g",
-									what, value, least, most);
+		return luminaire_lines_fail(lines, "%s is %s; it must be a whole number from %s to %s",
+									what, GW_SAID(value, 15), GW_SAID(least, 15),
+									GW_SAID(most, 15));
 	*count = (size_t)value;
 	return GW_OK;
 }

@@ -51,7 +51,7 @@ static gw_status take_color(const reader *r, json_t *object, const char *key, si
 	for (int k = 0; k < 3; k++) {
 		color[k] = (float)v[k];
 		if (!(v[k] >= 0.0 && v[k] <= most))
-			return glb_fail(&r->document, "'%s' has to be from 0 to %g", key, most);
+			return glb_fail(&r->document, "'%s' has to be from 0 to %s", key, GW_SAID(most, 15));
 	}
 	return GW_OK;
 }

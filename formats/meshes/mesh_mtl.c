@@ -56,7 +56,7 @@ static gw_status take_color(reader *r, const char *key, double most, float color
 {
 	double v[3];
 	char text[120];
-	snprintf(text, sizeof text, "%s needs three numbers, 0 to %g", key, most);
+	snprintf(text, sizeof text, "%s needs three numbers, 0 to %s", key, GW_SAID(most, 15));
 	bool good = mesh_text_number(&r->text, &v[0]);
 	mesh_text peek = r->text;
 	bool one = good && mesh_text_word(&peek).length == 0;
@@ -72,7 +72,7 @@ static gw_status take_color(reader *r, const char *key, double most, float color
 static gw_status take_number(reader *r, const char *key, double most, double *value)
 {
 	char text[120];
-	snprintf(text, sizeof text, "%s needs a number, 0 to %g", key, most);
+	snprintf(text, sizeof text, "%s needs a number, 0 to %s", key, GW_SAID(most, 15));
 	if (mesh_text_number(&r->text, value) && *value >= 0.0 && *value <= most)
 		return GW_OK;
 	return fail_line(r, text);

@@ -1,5 +1,6 @@
 /* scan_opacity.c - see scan_opacity.h. */
 #include "points/scan_opacity.h"
+#include "glowworm_host.h"
 
 #include "points/scan_color.h"
 
@@ -47,9 +48,9 @@ static gw_status fill(const scan *cloud, const scan_opacity_told *told, float *o
 		if (!(value >= 0.0 && value <= full))
 			return gw_fail(
 				error, GW_ERROR_DATA,
-				"the %s of point %zu is %g, but has to be from 0 to %g: mend it, or give "
+				"the %s of point %zu is %s, but has to be from 0 to %s: mend it, or give "
 				"all points the same with --opacity",
-				column->name, i + 1, value, full);
+				column->name, i + 1, GW_SAID(value, 6), GW_SAID(full, 6));
 		opacity[i] = (float)(value / full);
 		none = none && opacity[i] == 0.0f;
 		all = all && opacity[i] == 1.0f;

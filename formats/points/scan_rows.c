@@ -1,5 +1,6 @@
 /* scan_rows.c - see scan_rows.h. */
 #include "points/scan_rows.h"
+#include "glowworm_host.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -316,9 +317,10 @@ static gw_status take_scanner(scan *cloud, const rows *r, const ruler to[2], gw_
 		return GW_OK;
 	GW_TRY(scan_add_scanner(cloud, r->eye, 0, r->count, error));
 	snprintf(text, sizeof text,
-			 SCAN_NOTE "seen from %.6g,%.6g,%.6g, the points lie in %u columns and %u even rows: a "
+			 SCAN_NOTE "seen from %s,%s,%s, the points lie in %u columns and %u even rows: a "
 					   "scanner stood there",
-			 r->eye[0], r->eye[1], r->eye[2], to[0].count, to[1].count);
+			 GW_SAID_PLACE(r->eye[0]), GW_SAID_PLACE(r->eye[1]), GW_SAID_PLACE(r->eye[2]),
+			 to[0].count, to[1].count);
 	return scan_add_comment(cloud, text, error);
 }
 
@@ -336,9 +338,9 @@ static gw_status take_rows(scan *cloud, const rows *r, const frame *f, const rul
 	if (down)
 		cloud->up = 'Y';
 	snprintf(text, sizeof text,
-			 SCAN_NOTE "seen from %.6g,%.6g,%.6g, this is a %s picture of %u by %u cells%s",
-			 r->eye[0], r->eye[1], r->eye[2], f->camera ? "depth camera's" : "scanner's",
-			 to[0].count, to[1].count,
+			 SCAN_NOTE "seen from %s,%s,%s, this is a %s picture of %u by %u cells%s",
+			 GW_SAID_PLACE(r->eye[0]), GW_SAID_PLACE(r->eye[1]), GW_SAID_PLACE(r->eye[2]),
+			 f->camera ? "depth camera's" : "scanner's", to[0].count, to[1].count,
 			 down ? ", in which -y points up; if it does not, give --up" : "");
 	return scan_add_comment(cloud, text, error);
 }

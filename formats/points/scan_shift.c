@@ -1,5 +1,6 @@
 /* scan_shift.c - see scan_shift.h. */
 #include "points/scan_shift.h"
+#include "glowworm_host.h"
 #include "files/number_text.h"
 
 #include <math.h>
@@ -48,8 +49,8 @@ static gw_status move_column(scan_column *column, size_t count, scan_type type, 
 		if (type == SCAN_FLOAT32 && isfinite(value) && !isfinite((float)sum)) {
 			free(moved.data);
 			return gw_fail(error, GW_ERROR_DATA,
-						   "point %zu has %s %g, which less the shift, %g, is beyond floats", i,
-						   column->name, value, -by);
+						   "point %zu has %s %s, which less the shift, %s, is beyond floats", i,
+						   column->name, GW_SAID_PLACE(value), GW_SAID_PLACE(-by));
 		}
 		if (type == SCAN_FLOAT32)
 			((float *)moved.data)[i] = (float)sum;

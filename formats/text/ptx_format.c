@@ -4,6 +4,7 @@
  */
 #include "files/growing_table.h"
 #include "files/number_text.h"
+#include "glowworm_host.h"
 #include "points/scan_origin.h"
 #include "text/text_columns.h"
 #include "text/text_formats.h"
@@ -76,8 +77,8 @@ static gw_status take_header(reader *r, grid *g)
 		GW_TRY(take_numbers(r, &g->size[k], 1));
 		if (!(g->size[k] >= 0.0 && g->size[k] <= 9e15 && g->size[k] == trunc(g->size[k])))
 			return gw_fail(r->error, GW_ERROR_DATA,
-						   "%s, line %zu: %g is no number of columns or rows", r->in->name,
-						   r->line - 1, g->size[k]);
+						   "%s, line %zu: %s is no number of columns or rows", r->in->name,
+						   r->line - 1, GW_SAID(g->size[k], 15));
 	}
 	for (size_t k = 0; k < 4; k++)
 		GW_TRY(take_numbers(r, position + 3 * k, 3));

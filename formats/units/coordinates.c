@@ -1,5 +1,6 @@
 /* coordinates.c - feet and degrees as metres; see coordinates.h. */
 #include "units/coordinates.h"
+#include "glowworm_host.h"
 
 #include "files/plugin.h"
 #include "las/las_notes.h"
@@ -266,10 +267,11 @@ gw_status coordinates_try(gw_error *error)
 static gw_status refuse_degrees(const bounds *b, gw_error *error)
 {
 	return gw_fail(error, GW_ERROR_DATA,
-				   "x and y look like degrees, %g to %g and %g to %g beside %g units of height; "
+				   "x and y look like degrees, %s to %s and %s to %s beside %s units of height; "
 				   "--units degrees projects longitude and latitude, and --units m says that "
 				   "they are metres",
-				   b->low[0], b->high[0], b->low[1], b->high[1], b->high[2] - b->low[2]);
+				   GW_SAID_PLACE(b->low[0]), GW_SAID_PLACE(b->high[0]), GW_SAID_PLACE(b->low[1]),
+				   GW_SAID_PLACE(b->high[1]), GW_SAID(b->high[2] - b->low[2], 6));
 }
 
 static gw_status note_no_units(scan *cloud, const bounds *b, gw_error *error)
@@ -339,8 +341,9 @@ gw_status coordinates_find(scan *cloud, coordinates_unit unit, coordinates *to, 
 		status = can_be_degrees(&b)
 					 ? find_by_system(cloud, &name, &b, to, error)
 					 : gw_fail(error, GW_ERROR_DATA,
-							   "x and y are to be degrees, but reach from %g to %g and %g to %g",
-							   b.low[0], b.high[0], b.low[1], b.high[1]);
+							   "x and y are to be degrees, but reach from %s to %s and %s to %s",
+							   GW_SAID_PLACE(b.low[0]), GW_SAID_PLACE(b.high[0]),
+							   GW_SAID_PLACE(b.low[1]), GW_SAID_PLACE(b.high[1]));
 	} else {
 		for (int k = 0; k < 3; k++)
 			to->scale[k] = metres_of[unit];

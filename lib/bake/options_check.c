@@ -2,6 +2,7 @@
  * options_check.c - see options_check.h.
  */
 #include "bake/options_check.h"
+#include "glowworm_host.h"
 
 #include "bake/plan.h"
 #include "light/direct_light.h"
@@ -13,8 +14,8 @@ static gw_status check_number(const char *option, double value, double low, doub
 							  gw_error *error)
 {
 	if (!(value >= low && value <= high))
-		return gw_fail(error, GW_ERROR_USAGE, "%s is %g; give a number from %g to %g", option,
-					   value, low, high);
+		return gw_fail(error, GW_ERROR_USAGE, "%s is %s; give a number from %s to %s", option,
+					   GW_SAID(value, 15), GW_SAID(low, 15), GW_SAID(high, 15));
 	return GW_OK;
 }
 
@@ -135,7 +136,8 @@ gw_status gw_probes_options_check(const gw_probes_options *o, gw_error *error)
 					   o->size, GW_PROBE_SIZE_LEAST, GW_PROBE_SIZE_MOST);
 	if (!isfinite(o->margin) || o->margin < 0.0f)
 		return gw_fail(error, GW_ERROR_USAGE,
-					   "the margin of probes is %g; give metres of at least 0", (double)o->margin);
+					   "the margin of probes is %s; give metres of at least 0",
+					   GW_SAID((double)o->margin, 6));
 	if (o->grid > GW_PROBE_GRID_MOST)
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "a grid of probes has %u a side; give at most %u, or 0 for none", o->grid,
@@ -173,9 +175,9 @@ static gw_status check_region(const gw_bake_options *o, gw_error *error)
 					   "number out, or give a box");
 	if (r->camera && !(r->aspect >= 1.0 / 64.0 && r->aspect <= 64.0))
 		return gw_fail(error, GW_ERROR_USAGE,
-					   "the picture of a region's camera has a width of %g by its height; give "
+					   "the picture of a region's camera has a width of %s by its height; give "
 					   "1/64 to 64",
-					   r->aspect);
+					   GW_SAID(r->aspect, 6));
 	return GW_OK;
 }
 

@@ -2,6 +2,7 @@
  * plan.c - see plan.h.
  */
 #include "bake/plan.h"
+#include "glowworm_host.h"
 
 #include "cloud/frame.h"
 #include "light/direct_light.h"
@@ -118,7 +119,8 @@ static void plan_emitters(const gw_plan_task *task, gw_plan *plan, gw_report *re
 {
 	float largest = largest_of(task->surfels->emission, 3 * task->surfels->count);
 	char reason[sizeof report->effect->reason];
-	snprintf(reason, sizeof reason, "points emit a radiance of up to %g", (double)largest);
+	snprintf(reason, sizeof reason, "points emit a radiance of up to %s",
+			 GW_SAID((double)largest, 6));
 	const call c = { GW_EFFECT_EMITTERS, largest > 0.0f && plan->limit > 0,
 					 !(largest > 0.0f)  ? "no point emits"
 					 : plan->limit == 0 ? "no reflection is asked for"

@@ -2,6 +2,7 @@
  * probes.c - see probes.h. What probes see is the radiance that the points send out in the end.
  */
 #include "bake/probes.h"
+#include "glowworm_host.h"
 
 #include "bake/scene_probes.h"
 #include "bake/scene_records.h"
@@ -153,9 +154,9 @@ static gw_status check_kept(const gw_scene *scene, const gw_probe_numbers *wante
 	if (what == NULL)
 		return GW_OK;
 	return gw_fail(error, GW_ERROR_USAGE,
-				   "%s: the %s of this transport is %g and that of these probes %g; they have to "
+				   "%s: the %s of this transport is %s and that of these probes %s; they have to "
 				   "be the same (0 stands for as many as it takes, or none)",
-				   name, what, value[0], value[1]);
+				   name, what, GW_SAID(value[0], 15), GW_SAID(value[1], 15));
 }
 
 /* Sees to it that the scene has the probes that are asked for. */

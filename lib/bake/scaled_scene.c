@@ -2,6 +2,7 @@
  * scaled_scene.c - see scaled_scene.h.
  */
 #include "bake/scaled_scene.h"
+#include "glowworm_host.h"
 
 #include "base/memory.h"
 #include "cloud/cloud_units.h"
@@ -236,8 +237,8 @@ static gw_status count_clear(const gw_points *points, size_t *invisible, size_t 
 		float opacity = points->opacity[i];
 		if (!(opacity >= 0.0f && opacity <= 1.0f))
 			return gw_fail(error, GW_ERROR_DATA,
-						   "the opacity of point %zu is %g: it is a share, from 0 to 1", i,
-						   (double)opacity);
+						   "the opacity of point %zu is %s: it is a share, from 0 to 1", i,
+						   GW_SAID((double)opacity, 6));
 		*invisible += !(opacity > 0.0f);
 		*clear += opacity < 1.0f;
 	}

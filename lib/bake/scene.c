@@ -130,11 +130,11 @@ static void report_strays(gw_report *r, const gw_surfels *s, const gw_points *po
 	for (int kind = 0; kind < GW_STRAY_KIND_COUNT; kind++) {
 		const gw_stray_count *count = &r->stray[kind];
 		if (count->points > 0 && length < (int)sizeof meaning)
-			length += snprintf(meaning + length, sizeof meaning - (size_t)length,
-							   "%s %" PRIu64 " %s (%.6g, %.6g, %.6g)",
-							   meaning[length - 1] == ':' ? "" : ",", count->points,
-							   gw_stray_kind_name((gw_stray_kind)kind), count->position[0],
-							   count->position[1], count->position[2]);
+			length += snprintf(
+				meaning + length, sizeof meaning - (size_t)length, "%s %" PRIu64 " %s (%s, %s, %s)",
+				meaning[length - 1] == ':' ? "" : ",", count->points,
+				gw_stray_kind_name((gw_stray_kind)kind), GW_SAID_PLACE(count->position[0]),
+				GW_SAID_PLACE(count->position[1]), GW_SAID_PLACE(count->position[2]));
 	}
 	gw_report_count(r, "strays", s->stray_count, meaning);
 }

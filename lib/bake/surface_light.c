@@ -490,8 +490,8 @@ void gw_surface_light_count(uint64_t all, const char *why, gw_report *report)
 	char meaning[200];
 	uint64_t count = report->surface_points;
 	snprintf(meaning, sizeof meaning,
-			 "point{ is|s are} lit by the surface that %llu others make, %.3g m apart: %s",
-			 (unsigned long long)count, report->spacing, why);
+			 "point{ is|s are} lit by the surface that %llu others make, %s m apart: %s",
+			 (unsigned long long)count, GW_SAID(report->spacing, 3), why);
 	gw_report_count(report, "beside_surface", all - count, meaning);
 }
 

@@ -2,6 +2,7 @@
  * transport.c - see transport.h.
  */
 #include "bake/transport.h"
+#include "glowworm_host.h"
 #include "bake/lighting_error.h"
 #include "bake/plan.h"
 #include "bake/scene_records.h"
@@ -274,9 +275,9 @@ static gw_status check_settings(const gw_transport *t, const head *h, const gw_b
 		if (rows[i].kept != rows[i].own)
 			return gw_fail(
 				error, GW_ERROR_USAGE,
-				"%s: the %s of this transport is %g and that of this bake %g; they have to be "
+				"%s: the %s of this transport is %s and that of this bake %s; they have to be "
 				"the same (0 stands for auto)",
-				t->name, rows[i].name, rows[i].kept, rows[i].own);
+				t->name, rows[i].name, GW_SAID(rows[i].kept, 15), GW_SAID(rows[i].own, 15));
 	if (o->voxels && !gw_transport_has_voxels(&h->numbers))
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "%s: this transport was saved by a bake without grids of voxels, and holds "

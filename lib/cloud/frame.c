@@ -1,5 +1,6 @@
 /* frame.c - local coordinates, canonical order and merged duplicates. */
 #include "cloud/frame.h"
+#include "glowworm_host.h"
 
 #include "cloud/bulk_bounds.h"
 #include "base/memory.h"
@@ -461,8 +462,8 @@ gw_status gw_frame_make(const gw_points *points, const gw_surfels_options *optio
 	f.finite = gw_finite_bounds(points, minimum, maximum);
 	if (f.finite == 0)
 		return gw_fail(error, GW_ERROR_DATA,
-					   "none of the %zu points has finite coordinates within %g m of 0",
-					   points->count, GW_COORDINATE_MAX);
+					   "none of the %zu points has finite coordinates within %s m of 0",
+					   points->count, GW_SAID(GW_COORDINATE_MAX, 15));
 	uint64_t needed = 2 * (uint64_t)f.finite * sizeof(keyed_point);
 	if (options->memory && needed > options->memory)
 		return gw_fail(error, GW_ERROR_MEMORY,
@@ -474,11 +475,10 @@ gw_status gw_frame_make(const gw_points *points, const gw_surfels_options *optio
 	double extent =
 		fmax(fmax(maximum[0] - minimum[0], maximum[1] - minimum[1]), maximum[2] - minimum[2]);
 	if (extent > 0 && extent < EXTENT_MIN)
-		return gw_fail(
-			error, GW_ERROR_DATA,
-			"all points lie within %.3g m, which is too little to tell them apart: check "
-			"the unit of their coordinates",
-			extent);
+		return gw_fail(error, GW_ERROR_DATA,
+					   "all points lie within %s m, which is too little to tell them apart: check "
+					   "the unit of their coordinates",
+					   GW_SAID(extent, 3));
 	choose_frame(&f, minimum, maximum);
 	surfels->point_count = points->count;
 	surfels->non_finite = points->count - f.finite;

@@ -1,4 +1,5 @@
 #include "glowworm_picture.h"
+#include "glowworm_host.h"
 #include "base/memory.h"
 
 #include <math.h>
@@ -87,8 +88,8 @@ gw_status gw_compare(const double *found, const double *truth, size_t count,
 		difference[i] = fabs(found[i] - truth[i]);
 		if (!isfinite(difference[i]))
 			status =
-				gw_fail(error, GW_ERROR_DATA, "%g and %g cannot be compared: values must be finite",
-						found[i], truth[i]);
+				gw_fail(error, GW_ERROR_DATA, "%s and %s cannot be compared: values must be finite",
+						GW_SAID(found[i], 6), GW_SAID(truth[i], 6));
 	}
 	if (status == GW_OK) {
 		qsort(difference, count, sizeof *difference, by_value);

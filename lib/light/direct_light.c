@@ -3,6 +3,7 @@
  * irradiance, then the mean over the facets.
  */
 #include "light/direct_light.h"
+#include "glowworm_host.h"
 
 #include "base/distribution.h"
 #include "base/memory.h"
@@ -30,9 +31,9 @@
 static gw_status bad_light(size_t index, const gw_light *light, const char *what, double value,
 						   const char *remedy, gw_error *error)
 {
-	return gw_fail(error, GW_ERROR_USAGE, "light %zu (%s%s%s): %s is %g; %s", index + 1,
+	return gw_fail(error, GW_ERROR_USAGE, "light %zu (%s%s%s): %s is %s; %s", index + 1,
 				   gw_light_type_name(light->type), light->name[0] ? " " : "", light->name, what,
-				   value, remedy);
+				   GW_SAID(value, 15), remedy);
 }
 
 static gw_status check_color(size_t index, const gw_light *light, const char *what,

@@ -1,5 +1,6 @@
 /* camera.c - setting up and turning a pinhole camera; see glowworm_picture.h. */
 #include "glowworm_picture.h"
+#include "glowworm_host.h"
 
 #include "base/up_axis.h"
 
@@ -39,9 +40,9 @@ gw_status gw_camera_look(gw_camera *camera, const double at[3], const double to[
 {
 	if (!(angle > 0 && angle <= GW_CAMERA_ANGLE_MAX))
 		return gw_fail(error, GW_ERROR_USAGE,
-					   "the camera's angle of view is %g degrees; it must be above 0 and at most "
-					   "%g",
-					   angle, GW_CAMERA_ANGLE_MAX);
+					   "the camera's angle of view is %s degrees; it must be above 0 and at most "
+					   "%s",
+					   GW_SAID(angle, 6), GW_SAID(GW_CAMERA_ANGLE_MAX, 6));
 	if (!is_finite(at) || !is_finite(to) || !is_finite(up))
 		return gw_fail(error, GW_ERROR_USAGE, "a coordinate of the camera is not finite");
 	gw_camera c = { .tangent = tan(angle * M_PI / 360) };
@@ -56,9 +57,9 @@ gw_status gw_camera_look(gw_camera *camera, const double at[3], const double to[
 	double distance = normalize(c.forward);
 	if (!(distance > size * 0x1p-48) || !is_finite(c.forward))
 		return gw_fail(error, GW_ERROR_USAGE,
-					   "the camera stands at %g,%g,%g, which is where it looks; give it another "
+					   "the camera stands at %s,%s,%s, which is where it looks; give it another "
 					   "'at' or 'to'",
-					   at[0], at[1], at[2]);
+					   GW_SAID_PLACE(at[0]), GW_SAID_PLACE(at[1]), GW_SAID_PLACE(at[2]));
 	normalize(upright);
 	cross(c.forward, upright, c.right);
 	if (!(normalize(c.right) > PARALLEL))

@@ -50,8 +50,8 @@ echo "status $?"
 glowworm convert degrees.txt plain.ply
 glowworm convert plain.ply w.laz --las-step 0.0001 2>&1
 echo "status $?"
-glowworm bake degrees.txt -q --units degrees --fields lights --light 'point name a at 10,50,9 intensity 9' \
-	--rays 8 -o lamps.ply
+glowworm bake degrees.txt -q --units degrees --fields lights --rays 8 -o lamps.ply \
+	--light 'point name a at 10,50,9 intensity 9'
 glowworm mix lamps.ply --gain a=2 --las-step 0.0001 -o y.laz 2>&1
 echo "status $?"
 glowworm convert plain.ply z.laz --las-step 1e-9

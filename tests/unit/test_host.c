@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdbool.h>
@@ -174,12 +175,53 @@ static void test_parallel_for(void **state)
 	assert_int_equal(gw_thread_count(UINT32_MAX), GW_THREADS_MAX);
 }
 
+/* No exponent that nobody reads, and no digit that rounding made up. */
+static void numbers_are_said(void **state)
+{
+	(void)state;
+	static const struct {
+		double value;
+		int digits;
+		const char *text;
+	} row[] = {
+		{ 0.0, 4, "0" },
+		{ 12345.0, 4, "12340" },
+		{ 12345.0, 15, "12345" },
+		{ 999.96, 4, "1000" },
+		{ -0.00025, 3, "-0.00025" },
+		{ 2.5e-7, 3, "2.5e-07" },
+		{ 5300000.0, 6, "5.3 million" },
+		{ 999999.5, 6, "1 million" },
+		{ 16777216.0, 15, "16777216" },
+		{ -1e9, 6, "-1 billion" },
+		{ 1e14, 15, "100 trillion" },
+		{ 1e15, 15, "1e15" },
+		{ 1e300, 15, "1e300" },
+		{ INFINITY, 4, "inf" },
+		{ -NAN, 4, "nan" },
+	};
+	static const struct {
+		double value;
+		const char *text;
+	} place[] = {
+		{ 5300000.4567, "5300000.457" },
+		{ -1e9, "-1000000000" },
+		{ 0.1234567, "0.123457" },
+		{ 0.0, "0" },
+	};
+	for (size_t r = 0; r < sizeof row / sizeof *row; r++)
+		assert_string_equal(GW_SAID(row[r].value, row[r].digits), row[r].text);
+	for (size_t r = 0; r < sizeof place / sizeof *place; r++)
+		assert_string_equal(GW_SAID_PLACE(place[r].value), place[r].text);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_fail),   cmocka_unit_test(test_names),
-		cmocka_unit_test(test_arrays), cmocka_unit_test(test_huge_pages),
-		cmocka_unit_test(test_clock),  cmocka_unit_test(test_parallel_for),
+		cmocka_unit_test(test_fail),        cmocka_unit_test(test_names),
+		cmocka_unit_test(test_arrays),      cmocka_unit_test(test_huge_pages),
+		cmocka_unit_test(test_clock),       cmocka_unit_test(test_parallel_for),
+		cmocka_unit_test(numbers_are_said),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
