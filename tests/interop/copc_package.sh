@@ -1,4 +1,5 @@
-# The npm package copc, with laz-perf in it, reads LAS, LAZ and COPC files of ours, value for value.
+# The npm package copc, with laz-perf in it, reads LAS, LAZ and COPC files of ours, value for value:
+# of many lit points, of one, and of none.
 . "$SOURCE/tests/interop/other_programs"
 need node
 [ -d "$SOURCE/build/interop/node_modules/copc" ] || {
@@ -19,4 +20,18 @@ for name in lit.las lit.laz lit.copc.laz small.copc.laz; do
 	node "$SOURCE/tests/interop/las_reader.mjs" $name $name.csv >said || echo "status $?"
 	grep -v ': same$' said
 	grep -c ': same$' said
+done
+# No point at all, and one.
+for count in 0 1; do
+	printf 'ply\nformat ascii 1.0\nelement vertex %d\n' $count >few.txt
+	printf 'property float %s\n' x y z >>few.txt
+	echo end_header >>few.txt
+	[ $count = 0 ] || echo 1.5 2 3 >>few.txt
+	for name in few.las few.laz few.copc.laz; do
+		glowworm convert few.txt $name -f
+		glowworm convert $name $name.csv -f
+		node "$SOURCE/tests/interop/las_reader.mjs" $name $name.csv >said || echo "status $?"
+		grep -v ': same$' said
+		grep -c ': same$' said
+	done
 done
