@@ -279,11 +279,13 @@ const option options[] = {
 			  "the 11 bits of a half float, up to 0.05 % off, or the 8 of a bfloat16, up to 0.4 % "
 			  "off. LAZ gets smaller, readers see floats all the same" },
 	{ "las-step", 0, "X", OPTION_REAL, QUIETLY, FOR(BAKE | MIX | CONVERT), AT(las_step),
-	  RANGE(0.0, 1e-3), .group = "Output",
+	  RANGE(0.0, 1e-3), AUTOMATIC(-1.0), .group = "Output",
 	  .help = "let LAS, LAZ and COPC round coordinates to a grid of this step, in their own units, "
 			  "and normals to multiples of 1/2048, up to 0.025 degrees off; 0 gives both back as "
 			  "they are, wherever LAS can. For most scans 0.0001, a tenth of a millimetre, is "
-			  "finer than what the scanner saw" },
+			  "finer than what the scanner saw. auto takes the step of LAS that came in, else the "
+			  "coarsest power of ten, up to 0.001, that moves no point by more than a hundredth of "
+			  "the median distance between neighbours" },
 	{ "force", 'f', NULL, OPTION_FLAG, QUIETLY,
 	  FOR(BAKE | SAMPLE | COMPARE | TRADEOFF | MIX | CONVERT | RENDER | ALBEDO | LAMP | PROBES |
 		  PAGE),

@@ -44,7 +44,7 @@ gw_status output_name_check_rounding(const format *f, const settings *s, const c
 	static const char *const kin[] = { "las", "laz", "copc", NULL };
 	bool light = s->las_radiance != SETTINGS_LAS_FLOAT;
 	for (const char *const *k = kin; *k; k++)
-		if ((!light && s->las_step <= 0.0f) || strcmp(f->name, *k) == 0)
+		if ((!light && s->las_step == 0.0f) || strcmp(f->name, *k) == 0)
 			return GW_OK;
 	return gw_fail(error, GW_ERROR_USAGE, "%s is for LAS, LAZ and COPC, and %s is %s; leave it out",
 				   light ? "--las-radiance" : "--las-step", path, f->name);

@@ -249,7 +249,8 @@ typedef struct settings {
 	float capture_scale;             /* colour, linear, of radiance 1; 0: unknown */
 	int remainder;                   /* a settings_remainder */
 	int las_radiance;                /* a settings_las_radiance */
-	float las_step;                  /* of coordinates, at most; 0: they come back exactly */
+	float las_step;                  /* of coordinates, at most; 0: they come back exactly;
+									   -1: to be chosen */
 	int quality;                     /* a gw_quality */
 	float opacity;                   /* of all points, 0..1; -1: as columns say */
 	float exposure;                  /* EV; NAN: from the picture */

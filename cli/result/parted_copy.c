@@ -5,6 +5,7 @@
 #include "options/output_name.h"
 #include "options/output_system.h"
 #include "program/signals.h"
+#include "result/las_step.h"
 
 #include <stdio.h>
 
@@ -95,7 +96,8 @@ gw_status parted_copy_settle(parted_copy *c, bool *parted, gw_error *error)
 	bool lost;
 	GW_TRY(settle_columns(c, &lost, error));
 	bool joined = c->format->parted->one_scan && c->told.scanner_count > 1;
-	*parted = !((lost || joined) && memory_holds(c, &c->told));
+	*parted = !((lost || joined) && memory_holds(c, &c->told)) &&
+			  !las_step_needs_all(c->settings, &c->told);
 	if (*parted && lost && !c->settings->quiet)
 		fprintf(stderr, "glowworm: note: memory does not hold all points at once, which tell where "
 						"the scanner flew; the output does not say it\n");

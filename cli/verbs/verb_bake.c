@@ -1,4 +1,5 @@
 #include "verbs/verbs.h"
+#include "result/las_step.h"
 #include "result/bake_report.h"
 #include "scene/file_roles.h"
 #include "points/scan_aside.h"
@@ -726,6 +727,18 @@ static gw_status join_ranks(bake *b)
 	return GW_OK;
 }
 
+/* Where points are written, by those that were read; of a parted cloud by those that were kept. */
+static gw_status settle_step(bake *b)
+{
+	const loaded_scene *scene = &b->scene;
+	return las_step_settle(b->settings,
+						   &(las_step_points){ .said = &scene->cloud,
+											   .points = &scene->points.points,
+											   .place = &scene->place,
+											   .all = scene->parted ? b->parted.file.count : 0 },
+						   b->error);
+}
+
 static gw_status run(bake *b)
 {
 	GW_TRY(join_ranks(b));
@@ -741,6 +754,7 @@ static gw_status run(bake *b)
 		b->settings->bake.drivers = b->drivers = gw_drivers_load();
 	GW_TRY(read_inputs(b));
 	output_shift_settle_by(&b->settings->shifting, &b->scene.cloud, b->settings->quiet);
+	GW_TRY(settle_step(b));
 	GW_TRY(check_results(b));
 	GW_TRY(loaded_scene_lights(&b->scene, b->settings, &b->light, b->error));
 	if (b->settings->explain && b->settings->frame_count > 0)

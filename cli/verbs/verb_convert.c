@@ -6,6 +6,7 @@
 #include "options/output_system.h"
 #include "pcd/pcd_format.h"
 #include "result/bake_columns.h"
+#include "result/las_step.h"
 #include "result/parted_copy.h"
 #include "program/signals.h"
 #include "program/text_quote.h"
@@ -121,7 +122,7 @@ static void note_pictures(const settings *s, const format *to, const scan *cloud
 
 /* What there is to convert, and what is known of it. */
 typedef struct conversion {
-	const settings *settings;
+	settings *settings; /* a copy, nothing of which is freed */
 	const format *to;
 	output_file *out;
 	output_shift shift;
@@ -149,6 +150,7 @@ static gw_status convert_whole(conversion *c, scan *cloud, gw_error *error)
 	note_holes(s, c->to, count_holes(cloud), cloud->count);
 	note_pictures(s, c->to, cloud);
 	output_shift_settle_by(&c->shift, cloud, s->quiet);
+	GW_TRY(las_step_settle(c->settings, &(las_step_points){ .said = cloud }, error));
 	GW_TRY(output_system_check_step(s, cloud, NULL, NULL, error));
 	GW_TRY(change(c, cloud, error));
 	GW_TRY(output_system_settle(c->to, cloud, s->quiet, error));
@@ -173,6 +175,7 @@ static gw_status convert_parts(conversion *c, gw_error *error)
 	uint64_t holes = 0, count = c->copy.parts.count;
 	note_reading(c->settings, &c->copy.told);
 	parted_copy_settle_shift(&c->copy);
+	GW_TRY(las_step_settle(c->settings, &(las_step_points){ .said = &c->copy.told }, error));
 	GW_TRY(parted_copy_check_step(&c->copy, error));
 	for (uint64_t first = 0; first < count; first += c->copy.step)
 		GW_TRY(convert_part(c, first, &holes, error));
@@ -201,7 +204,8 @@ static gw_status convert(conversion *c, scan *cloud, gw_error *error)
 
 gw_status verb_convert(const settings *s, gw_error *error)
 {
-	conversion c = { .settings = s };
+	settings own = *s;
+	conversion c = { .settings = &own };
 	scan cloud = { 0 };
 	gw_status status = convert(&c, &cloud, error);
 	parted_copy_close(&c.copy);

@@ -4,6 +4,7 @@
 #include "program/signals.h"
 #include "result/bake_columns.h"
 #include "result/light_mix.h"
+#include "result/las_step.h"
 #include "result/parted_copy.h"
 #include "scene/loaded_scene.h"
 #include "glowworm_host.h"
@@ -23,7 +24,7 @@
 
 /* All that lives as long as one mix. */
 typedef struct mixing {
-	const settings *settings;
+	settings *settings; /* a copy, nothing of which is freed */
 	const format *format;
 	output_file *output;
 	parted_copy copy; /* where points are mixed part by part */
@@ -245,6 +246,7 @@ static gw_status write_part(mixing *m, mixed_part *part)
 
 static gw_status mix_parts(mixing *m)
 {
+	GW_TRY(las_step_settle(m->settings, &(las_step_points){ .said = &m->copy.told }, m->error));
 	GW_TRY(parted_copy_check_step(&m->copy, m->error));
 	parted_copy_settle_shift(&m->copy);
 	m->exposure = meters(m, &m->copy.told) ? NAN : (double)m->settings->exposure;
@@ -272,6 +274,8 @@ static gw_status mix_whole(mixing *m)
 	if (status == GW_OK)
 		m->exposure = meters(m, &all.cloud) ? preview_exposure(all.radiance, NULL, all.cloud.count)
 											: (double)s->exposure;
+	if (status == GW_OK)
+		status = las_step_settle(m->settings, &(las_step_points){ .said = &all.cloud }, m->error);
 	if (status == GW_OK)
 		status = output_system_check_step(s, &all.cloud, NULL, NULL, m->error);
 	if (status == GW_OK)
@@ -308,7 +312,8 @@ static gw_status run(mixing *m)
 
 gw_status verb_mix(const settings *s, gw_error *error)
 {
-	mixing m = { .settings = s,
+	settings own = *s;
+	mixing m = { .settings = &own,
 				 .mix = { .gain = s->gain, .gain_count = s->gain_count },
 				 .progress = progress_start((settings_progress)s->progress, s->quiet),
 				 .error = error };

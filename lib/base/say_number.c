@@ -14,12 +14,14 @@ static const struct {
 	const char *name;
 } large[] = { { 1e12, "trillion" }, { 1e9, "billion" }, { 1e6, "million" } };
 
-/* Zeros behind the last digit of a fraction say nothing, as does the plus of an exponent. */
+/* Zeros behind the last digit of a fraction say nothing, nor those before that of an exponent. */
 static void leave_out(char *text)
 {
-	char *exponent = strchr(text, 'e'), *plus = strstr(text, "e+");
-	if (plus)
-		memmove(plus + 1, plus + 2, strlen(plus + 1));
+	char *exponent = strchr(text, 'e');
+	if (exponent) {
+		char *digits = exponent + 1 + (exponent[1] == '-');
+		memmove(digits, digits + strspn(digits, "+0"), strlen(digits + strspn(digits, "+0")) + 1);
+	}
 	if (exponent || !strpbrk(text, ".,"))
 		return;
 	char *end = text + strlen(text);
