@@ -11,9 +11,9 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 
-#define AROUND                                                                                     \
-	8u /* points of the surface among which one is looked for that faces the same way              \
-		*/
+/* Points of the surface among which one is looked for that faces the same way. */
+#define AROUND 8u
+
 #define QUERIES 256u /* points that are looked up at once */
 #define CHUNK 8192u
 #define FACING 0.5f /* least cosine between normals of one surface */
