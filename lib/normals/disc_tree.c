@@ -67,11 +67,12 @@ static box empty_box(void)
 	return (box){ { INFINITY, INFINITY, INFINITY }, { -INFINITY, -INFINITY, -INFINITY } };
 }
 
+/* What is no number leaves all as it is: the order of both says so. */
 static void join(box *all, const box *other)
 {
 	for (int k = 0; k < 3; k++) {
-		all->low[k] = gw_smaller(all->low[k], other->low[k]);
-		all->high[k] = gw_larger(all->high[k], other->high[k]);
+		all->low[k] = gw_smaller(other->low[k], all->low[k]);
+		all->high[k] = gw_larger(other->high[k], all->high[k]);
 	}
 }
 
@@ -181,8 +182,8 @@ static cut choose_cut(const build *b, const range *r)
 	for (size_t i = r->first; i < r->last; i++)
 		for (int k = 0; k < 3; k++) {
 			float middle = middle_of(&b->box[b->order[i]], k);
-			middles.low[k] = gw_smaller(middles.low[k], middle);
-			middles.high[k] = gw_larger(middles.high[k], middle);
+			middles.low[k] = gw_smaller(middle, middles.low[k]);
+			middles.high[k] = gw_larger(middle, middles.high[k]);
 		}
 	for (int axis = 0; axis < 3; axis++) {
 		parts p;

@@ -1,5 +1,5 @@
 /* Rays against a tree of discs: brute force over all discs in double precision, a ball of bent
- * discs that lets nothing out, and the surface that a ray leaves. */
+ * discs that lets nothing out, the surface that a ray leaves, and trees that are damaged. */
 #include "normals/disc_tree.h"
 #include "octree/trace_constants.h"
 #include "light/transport_layout.h"
@@ -237,13 +237,86 @@ static void test_degenerate(void **state)
 	}
 }
 
+/* Discs that are nowhere, or without end, hide none of the others from rays. */
+static void test_not_finite(void **state)
+{
+	enum { SIDE = 12 };
+	static gw_disc disc[SIDE * SIDE];
+	gw_disc_tree tree;
+	(void)state;
+	for (uint32_t i = 0; i < SIDE * SIDE; i++) {
+		disc[i] = (gw_disc){ .place = { (float)(i % SIDE), (float)(i / SIDE), 0 },
+							 .normal = { 0, 0, 1 },
+							 .radius = 0.4f,
+							 .facet = i };
+		if (i % 7 == 3)
+			disc[i].place.x = i % 2 ? NAN : -INFINITY;
+		if (i % 11 == 5)
+			disc[i].normal = (gw_vec3){ NAN, NAN, NAN };
+	}
+	assert_int_equal(gw_disc_tree_build(disc, SIDE * SIDE, &tree, NULL), GW_OK);
+	assert_true(gw_disc_tree_fits(tree.word, SIDE * SIDE, tree.nodes, SIDE * SIDE));
+	for (uint32_t i = 0; i < SIDE * SIDE; i++) {
+		gw_disc_ray ray = { .origin = { (float)(i % SIDE), (float)(i / SIDE), 5 },
+							.direction = { 0, 0, -1 },
+							.facing = { 0, 0, -1 },
+							.foot = { 0, 0, 9 },
+							.t_max = 1e9f };
+		bool there = i % 7 != 3 && i % 11 != 5;
+		assert_int_equal(gw_disc_tree_trace(&tree, &ray).disc, there ? i : GW_NONE);
+	}
+	gw_disc_tree_clear(&tree);
+}
+
+/* Whether a tree still fits with another word in one place. */
+static bool fits_with(gw_disc_tree *tree, size_t at, uint32_t value)
+{
+	uint32_t own = tree->word[at];
+	tree->word[at] = value;
+	bool fits = gw_disc_tree_fits(tree->word, tree->discs, tree->nodes, 3 * DISCS);
+	tree->word[at] = own;
+	return fits;
+}
+
+/* Words from a file that would lead a walk out of the tree, or back, are none. */
+static void test_damaged_words(void **state)
+{
+	static gw_disc disc[DISCS];
+	gw_disc_tree tree;
+	(void)state;
+	scatter(disc);
+	assert_int_equal(gw_disc_tree_build(disc, DISCS, &tree, NULL), GW_OK);
+	assert_true(fits_with(&tree, 0, tree.nodes));
+	assert_false(fits_with(&tree, 0, tree.nodes + 1) || fits_with(&tree, 1, DISCS - 1));
+	assert_false(gw_disc_tree_fits(tree.word, DISCS, 1u << 27, 3 * DISCS));
+	assert_false(gw_disc_tree_fits(tree.word, 1u << 27, tree.nodes, 3 * DISCS));
+	size_t last = 4 * (tree.texels - 1); /* the children of the last node: discs, or none */
+	const uint32_t end = GW_DISC_LEAF | (1 + GW_DISC_TEXELS * DISCS);
+	const uint32_t wrong[] = {
+		0,   tree.nodes - 1, tree.nodes, GW_DISC_LEAF - 1, GW_DISC_LEAF, GW_DISC_LEAF | 2,
+		end, GW_NONE - 1
+	};
+	for (size_t k = 0; k < 4; k++) {
+		assert_true(tree.word[last + k] >= GW_DISC_LEAF);
+		assert_true(fits_with(&tree, last + k, GW_NONE));
+		assert_true(fits_with(&tree, last + k, end - GW_DISC_TEXELS));
+		for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++)
+			assert_false(fits_with(&tree, last + k, wrong[i]));
+	}
+	for (size_t i = 0; i < DISCS; i++) {
+		size_t facet = 4 * (1 + GW_DISC_TEXELS * i) + 7;
+		assert_true(fits_with(&tree, facet, 3 * DISCS - 1));
+		assert_false(fits_with(&tree, facet, 3 * DISCS));
+	}
+	gw_disc_tree_clear(&tree);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_brute_force),
-		cmocka_unit_test(test_closed_ball),
-		cmocka_unit_test(test_own_surface),
-		cmocka_unit_test(test_degenerate),
+		cmocka_unit_test(test_brute_force), cmocka_unit_test(test_closed_ball),
+		cmocka_unit_test(test_own_surface), cmocka_unit_test(test_degenerate),
+		cmocka_unit_test(test_not_finite),  cmocka_unit_test(test_damaged_words),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
