@@ -237,6 +237,54 @@ static void test_degenerate(void **state)
 	}
 }
 
+/* Levels of nodes from one on; counts the discs that are reached, each of which is seen once. */
+static uint32_t levels_below(const gw_disc_tree *tree, uint32_t node, uint8_t *seen,
+							 uint32_t *reached)
+{
+	uint32_t most = 0;
+	const uint32_t *child = tree->word + 4 * (1 + GW_DISC_TEXELS * (size_t)tree->discs +
+											  GW_DISC_NODE_TEXELS * (size_t)node + 6);
+	for (int k = 0; k < 4; k++) {
+		if (child[k] == GW_NONE)
+			continue;
+		if (child[k] >= GW_DISC_LEAF) {
+			uint32_t disc = (child[k] - GW_DISC_LEAF - 1) / GW_DISC_TEXELS;
+			assert_false(seen[disc]);
+			seen[disc] = 1;
+			++*reached;
+			continue;
+		}
+		uint32_t levels = levels_below(tree, child[k], seen, reached);
+		most = levels > most ? levels : most;
+	}
+	return most + 1;
+}
+
+/* Discs each 16 times nearer to a corner than the one before, along each axis: the best cuts take
+ * few of them off, as often as there are such steps, which would be more levels than a walk has
+ * room for. */
+static void test_uneven(void **state)
+{
+	enum { STEPS = 30, COUNT = STEPS * STEPS * STEPS };
+	static gw_disc disc[COUNT];
+	static uint8_t seen[COUNT];
+	gw_disc_tree tree;
+	uint32_t reached = 0;
+	(void)state;
+	for (int i = 0; i < COUNT; i++)
+		disc[i] = (gw_disc){ .place = { ldexpf(1.0f, -4 * (i % STEPS)),
+										ldexpf(1.0f, -4 * (i / STEPS % STEPS)),
+										ldexpf(1.0f, -4 * (i / STEPS / STEPS)) },
+							 .normal = { 0, 0, 1 },
+							 .radius = ldexpf(1.0f, -4 * STEPS),
+							 .facet = (uint32_t)i };
+	assert_int_equal(gw_disc_tree_build(disc, COUNT, &tree, NULL), GW_OK);
+	uint32_t levels = levels_below(&tree, 0, seen, &reached);
+	assert_int_equal(reached, COUNT);
+	assert_true(levels > 10 && 2 * levels <= GW_DISC_HALVINGS && 3 * levels <= GW_DISC_WAITING);
+	gw_disc_tree_clear(&tree);
+}
+
 /* Discs that are nowhere, or without end, hide none of the others from rays. */
 static void test_not_finite(void **state)
 {
@@ -314,9 +362,10 @@ static void test_damaged_words(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_brute_force), cmocka_unit_test(test_closed_ball),
-		cmocka_unit_test(test_own_surface), cmocka_unit_test(test_degenerate),
-		cmocka_unit_test(test_not_finite),  cmocka_unit_test(test_damaged_words),
+		cmocka_unit_test(test_brute_force),   cmocka_unit_test(test_closed_ball),
+		cmocka_unit_test(test_own_surface),   cmocka_unit_test(test_degenerate),
+		cmocka_unit_test(test_uneven),        cmocka_unit_test(test_not_finite),
+		cmocka_unit_test(test_damaged_words),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
