@@ -221,27 +221,25 @@ static void sheets_are_kept(void **state)
 static scan lamp_square(bool even)
 {
 	static const char *const name[] = { "emission_r", "emission_g", "emission_b" };
-	scan cloud = { .count = 200 * 200, .up = 'z' };
 	const scan_type type[] = { SCAN_FLOAT32, SCAN_FLOAT64, SCAN_FLOAT32 };
-	scan_column *x = add(&cloud, "x", SCAN_FLOAT64), *emission[3];
-	for (size_t i = 0; i < cloud.count; i++)
-		scan_store(x, i, 0.01 * (double)(i % 200));
-	scan_column *y = add(&cloud, "y", SCAN_FLOAT64), *z = add(&cloud, "z", SCAN_FLOAT32);
+	scan cloud = { .count = 200 * 200, .up = 'z' };
+	add(&cloud, "x", SCAN_FLOAT64);
+	add(&cloud, "y", SCAN_FLOAT64);
+	add(&cloud, "z", SCAN_FLOAT32);
+	for (size_t k = 0; k < 3; k++)
+		add(&cloud, name[k], type[k]);
 	for (size_t i = 0; i < cloud.count; i++) {
-		scan_store(y, i, 0.01 * (double)(i / 200));
-		scan_store(z, i, 1.0);
+		bool lamp = even || (i % 200 / 3 == 33 && i / 200 / 3 == 33);
+		scan_store(scan_find(&cloud, "x"), i, 0.01 * (double)(i % 200));
+		scan_store(scan_find(&cloud, "y"), i, 0.01 * (double)(i / 200));
+		scan_store(scan_find(&cloud, "z"), i, 1.0);
+		for (size_t k = 0; k < 3; k++)
+			scan_store(scan_find(&cloud, name[k]), i, lamp ? 1000.0 / (1.0 + (double)k) : 0.0);
 	}
-	for (size_t k = 0; k < 3; k++) {
-		emission[k] = add(&cloud, name[k], type[k]);
-		for (size_t i = 0; i < cloud.count; i++)
-			scan_store(emission[k], i,
-					   even || (i % 200 / 3 == 33 && i / 200 / 3 == 33) ? 1000.0 / (1.0 + (double)k)
-																		: 0.0);
-	}
-	scan_store(emission[1], 7, -5.0);
-	scan_store(emission[2], 8, NAN);
+	scan_store(scan_find(&cloud, name[1]), 7, -5.0);
+	scan_store(scan_find(&cloud, name[2]), 8, NAN);
 	scan_store(scan_find(&cloud, "x"), 9, NAN);
-	scan_store(emission[0], 9, 1e6);
+	scan_store(scan_find(&cloud, name[0]), 9, 1e6);
 	return cloud;
 }
 
