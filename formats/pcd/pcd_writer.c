@@ -277,20 +277,6 @@ static gw_status survey_add(format_whole *whole, const scan *part, gw_error *err
 	return GW_OK;
 }
 
-static gw_status survey_go_on(format_whole *whole, bool *again, gw_error *error)
-{
-	(void)whole;
-	(void)error;
-	*again = false;
-	return GW_OK;
-}
-
-static void survey_clear(format_whole *whole)
-{
-	free(whole->survey);
-	whole->survey = NULL;
-}
-
 /* Its fields are to be freed, also on failure. */
 static gw_status begin_part(const format_whole *whole, const scan *part, output_file *out,
 							writer *w, gw_error *error)
@@ -312,33 +298,32 @@ static gw_status row(const format_whole *whole, const scan *part, size_t *bytes,
 	return status;
 }
 
+static gw_status write_part(output_file *out, const format_whole *whole, const scan *part,
+							gw_status (*write)(writer *w, gw_error *error), gw_error *error)
+{
+	writer w;
+	gw_status status = begin_part(whole, part, out, &w, error);
+	if (status == GW_OK)
+		status = write(&w, error);
+	free(w.field);
+	return status;
+}
+
 static gw_status write_head(output_file *out, const format_whole *whole, const scan *first,
 							gw_error *error)
 {
-	writer w;
-	gw_status status = begin_part(whole, first, out, &w, error);
-	if (status == GW_OK)
-		status = write_header(&w, error);
-	free(w.field);
-	return status;
+	return write_part(out, whole, first, write_header, error);
 }
 
 static gw_status write_rows(output_file *out, const format_whole *whole, const scan *part,
 							gw_error *error)
 {
-	writer w;
-	gw_status status = begin_part(whole, part, out, &w, error);
-	if (status == GW_OK)
-		status = write_points(&w, error);
-	free(w.field);
-	return status;
+	return write_part(out, whole, part, write_points, error);
 }
 
 const format_parted pcd_parted = {
 	.survey_begin = survey_begin,
 	.survey_add = survey_add,
-	.survey_go_on = survey_go_on,
-	.survey_clear = survey_clear,
 	.row = row,
 	.write_head = write_head,
 	.write_rows = write_rows,

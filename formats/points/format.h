@@ -42,11 +42,11 @@ typedef struct format_loose {
  */
 typedef struct format_parted {
 	/* NULL: nothing has to be known of points before the first is written; then all of these are.
-	 * The survey is given back by survey_clear, also on failure. */
+	 * The survey is given back by survey_clear, also on failure; NULL: by free. */
 	gw_status (*survey_begin)(format_whole *whole, gw_error *error);
 	gw_status (*survey_add)(format_whole *whole, const scan *part, gw_error *error);
 	/* After all parts. Sets *again when all have to be added once more. Fails where the format
-	 * cannot hold them. */
+	 * cannot hold them. NULL: once is enough, and it holds all. */
 	gw_status (*survey_go_on)(format_whole *whole, bool *again, gw_error *error);
 	void (*survey_clear)(format_whole *whole);
 

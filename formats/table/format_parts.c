@@ -145,7 +145,9 @@ gw_status format_parts_survey(format_parts *parts, const format_survey_use *use,
 	GW_TRY(parted->survey_begin(whole, error));
 	for (bool again = true; again;) {
 		GW_TRY(survey_parts(parts, use, whole, error));
-		GW_TRY(parted->survey_go_on(whole, &again, error));
+		again = false;
+		if (parted->survey_go_on)
+			GW_TRY(parted->survey_go_on(whole, &again, error));
 	}
 	return GW_OK;
 }
@@ -154,6 +156,8 @@ void format_whole_clear(const format *to, format_whole *whole)
 {
 	if (to && to->parted && to->parted->survey_clear)
 		to->parted->survey_clear(whole);
+	else
+		free(whole->survey);
 	*whole = (format_whole){ .count = 0 };
 }
 

@@ -238,20 +238,6 @@ static gw_status survey_add(format_whole *whole, const scan *part, gw_error *err
 	return GW_OK;
 }
 
-static gw_status survey_go_on(format_whole *whole, bool *again, gw_error *error)
-{
-	(void)whole;
-	(void)error;
-	*again = false;
-	return GW_OK;
-}
-
-static void survey_clear(format_whole *whole)
-{
-	free(whole->survey);
-	whole->survey = NULL;
-}
-
 static gw_status row(const format_whole *whole, const scan *part, size_t *bytes, gw_error *error)
 {
 	(void)whole;
@@ -277,8 +263,6 @@ static gw_status write_rows(output_file *out, const format_whole *whole, const s
 static const format_parted parted = {
 	.survey_begin = survey_begin,
 	.survey_add = survey_add,
-	.survey_go_on = survey_go_on,
-	.survey_clear = survey_clear,
 	.row = row,
 	.write_head = write_head,
 	.write_rows = write_rows,
