@@ -44,17 +44,6 @@ typedef struct closing {
 	uint32_t surfel;
 } closing;
 
-typedef struct sparse {
-	gw_compartments *c;
-	const float *place, *normal; /* 4 a surfel, leaf cells */
-	uint8_t *count;              /* a node: surfels below it, COUNT_MOST at most */
-	uint8_t *leaves;             /* a node: likewise of foliage */
-	uint32_t *first;             /* a node: the first of these */
-	closing *closing;
-	size_t closings, room;
-	bool failed;
-} sparse;
-
 static uint32_t octant_of(const cell *of, uint32_t level)
 {
 	uint32_t shift = of->level - level;
@@ -62,65 +51,130 @@ static uint32_t octant_of(const cell *of, uint32_t level)
 		   (uint32_t)(of->at[2] >> shift & 1) << 2;
 }
 
-/* The node of a cell, or GW_COMPARTMENT_UNKNOWN where there is none: then wall says whether it lies
- * in one. */
-static uint32_t node_of(const gw_compartments *c, const cell *of, bool *wall)
+static cell child_of(const cell *parent, uint32_t octant)
 {
-	uint32_t tile = 0;
-	*wall = false;
+	cell of = { .level = parent->level + 1 };
 	for (int k = 0; k < 3; k++)
-		if (of->at[k] < 0 || of->at[k] >= 1 << of->level)
-			return GW_COMPARTMENT_UNKNOWN;
-	for (uint32_t level = 1; level < of->level; level++) {
-		uint32_t to = c->child[8 * tile + octant_of(of, level)];
-		*wall = to == GW_WALL;
-		if (to == 0 || to == GW_WALL)
-			return GW_COMPARTMENT_UNKNOWN;
-		tile = to - 1;
+		of.at[k] = 2 * parent->at[k] + (int32_t)(octant >> k & 1u);
+	return of;
+}
+
+/* Cells around a child of a tile that others are asked about: those whose points count, and those
+ * that are looked at where voids are closed. */
+#define AROUND_POINTS 1
+#define AROUND_VOIDS (REACH + 2)
+#define WIDEST (2 + 2 * AROUND_VOIDS)
+
+/* What is in the cells of a level around the children of a tile, so that the tree is walked once
+ * for all that is asked about them. */
+typedef struct window {
+	uint32_t level;
+	int32_t low[3], wide; /* cells */
+	/* wide^3, x first: the node, or GW_COMPARTMENT_UNKNOWN where there is none or it lies in a wall
+	 * of a level above; does it hold something, or lie in a wall? */
+	uint32_t node[WIDEST * WIDEST * WIDEST];
+	bool holds[WIDEST * WIDEST * WIDEST];
+} window;
+
+/* The cells of a window that lie in one of a level at most that of the window. */
+typedef struct window_part {
+	int32_t first[3], last[3]; /* from low on; last is not one of them */
+	bool any;
+} window_part;
+
+static window_part part_of(const window *w, const cell *of)
+{
+	window_part part = { .any = true };
+	for (int k = 0; k < 3; k++) {
+		int32_t first = of->at[k] * (1 << (w->level - of->level)) - w->low[k];
+		int32_t last = first + (1 << (w->level - of->level));
+		part.first[k] = first > 0 ? first : 0;
+		part.last[k] = last < w->wide ? last : w->wide;
+		part.any = part.any && part.first[k] < part.last[k];
 	}
-	return 8 * tile + octant_of(of, of->level);
+	return part;
 }
 
-/* Does a cell hold something, or lie in a wall? */
-static bool holds(const gw_compartments *c, const cell *of)
+static size_t place_in(const window *w, int32_t x, int32_t y, int32_t z)
 {
-	bool wall;
-	uint32_t node = node_of(c, of, &wall);
-	return wall || (node != GW_COMPARTMENT_UNKNOWN && c->child[node] != 0);
+	return (size_t)(x + w->wide * (y + w->wide * z));
 }
 
-static cell beside(const cell *of, uint32_t axis, int32_t off)
+static void fill_with_wall(window *w, const window_part *part)
 {
-	cell to = *of;
-	to.at[axis] += off;
-	return to;
+	for (int32_t z = part->first[2]; z < part->last[2]; z++)
+		for (int32_t y = part->first[1]; y < part->last[1]; y++)
+			for (int32_t x = part->first[0]; x < part->last[0]; x++)
+				w->holds[place_in(w, x, y, z)] = true;
 }
 
-static bool holds_beside(const gw_compartments *c, const cell *of, uint32_t axis, int32_t off)
+/* Notes what the children of a tile, whose cell is given, have in the window. */
+static void look_below(const gw_compartments *c, const cell *parent, uint32_t tile, window *w)
 {
-	cell to = beside(of, axis, off);
-	return holds(c, &to);
+	for (uint32_t octant = 0; octant < 8; octant++) {
+		uint32_t node = 8 * tile + octant, to = c->child[node];
+		cell of = child_of(parent, octant);
+		const window_part part = part_of(w, &of);
+		if (!part.any)
+			continue;
+		if (of.level == w->level) {
+			size_t i = place_in(w, part.first[0], part.first[1], part.first[2]);
+			w->node[i] = node;
+			w->holds[i] = to != 0;
+		} else if (to == GW_WALL) {
+			fill_with_wall(w, &part);
+		} else if (to != 0) {
+			look_below(c, &of, to - 1, w);
+		}
+	}
 }
 
-/* Does a cell have surface near it on both sides along an axis? */
-static bool lies_between(const gw_compartments *c, const cell *of, uint32_t axis)
+/* So many cells around the children of a cell. */
+static void look_around(const gw_compartments *c, const cell *parent, int32_t around, window *w)
 {
-	bool below = holds_beside(c, of, axis, -1), above = holds_beside(c, of, axis, 1);
-	return (below && above) || (below && holds_beside(c, of, axis, 2)) ||
-		   (above && holds_beside(c, of, axis, -2));
+	const cell root = { 0 };
+	w->level = parent->level + 1;
+	w->wide = 2 + 2 * around;
+	for (int k = 0; k < 3; k++)
+		w->low[k] = 2 * parent->at[k] - around;
+	size_t cells = place_in(w, 0, 0, w->wide);
+	memset(w->node, 0xff, cells * sizeof *w->node);
+	memset(w->holds, 0, cells * sizeof *w->holds);
+	look_below(c, &root, 0, w);
+}
+
+static size_t place_of(const window *w, const cell *of)
+{
+	return place_in(w, of->at[0] - w->low[0], of->at[1] - w->low[1], of->at[2] - w->low[2]);
 }
 
 /* In a sheet surface is near on both sides along two axes; in the crease of two along one, and on
  * one side of each of the others. */
-static bool is_void(const gw_compartments *c, const cell *of)
+static bool is_void(const window *w, size_t at)
 {
+	const size_t step[3] = { 1, (size_t)w->wide, (size_t)w->wide * (size_t)w->wide };
 	uint32_t axes = 0, sides = 0;
 	for (uint32_t axis = 0; axis < 3; axis++) {
-		axes += lies_between(c, of, axis);
-		sides += holds_beside(c, of, axis, -1) || holds_beside(c, of, axis, 1);
+		const bool *holds = w->holds + at;
+		bool below = *(holds - step[axis]), above = holds[step[axis]];
+		axes += (below && above) || (below && holds[2 * step[axis]]) ||
+				(above && *(holds - 2 * step[axis]));
+		sides += below || above;
 	}
 	return axes > 1 || (axes == 1 && sides == 3);
 }
+
+typedef struct sparse {
+	gw_compartments *c;
+	const float *place, *normal; /* 4 a surfel, leaf cells */
+	uint8_t *count;              /* a node: surfels below it, COUNT_MOST at most */
+	uint8_t *leaves;             /* a node: likewise of foliage */
+	uint32_t *first;             /* a node: the first of these */
+	window *window;              /* one for the children of each level */
+	closing *closing;
+	size_t closings, room;
+	bool failed;
+} sparse;
 
 /* The cells that a surfel lies in, from the root on; false: there is none of the next level. */
 static bool descend(const gw_compartments *c, const float *place, cell *of, uint32_t *node)
@@ -174,16 +228,14 @@ static void count_surfels(sparse *s, const gw_surfels *surfels)
 }
 
 /* Is the surface in a cell about as sparse as it is wide? Single discs among leaves are none. */
-static bool is_sparse(const sparse *s, const cell *of)
+static bool is_sparse(const sparse *s, const window *w, const cell *of)
 {
 	uint32_t points = 0, leaves = 0, holding = 0;
 	for (int32_t i = 0; i < 27 && points <= POINTS_MOST; i++) {
-		cell near = *of;
-		bool wall;
-		near.at[0] += i % 3 - 1;
-		near.at[1] += i / 3 % 3 - 1;
-		near.at[2] += i / 9 - 1;
-		uint32_t node = node_of(s->c, &near, &wall);
+		const cell near = {
+			of->level, { of->at[0] + i % 3 - 1, of->at[1] + i / 3 % 3 - 1, of->at[2] + i / 9 - 1 }
+		};
+		uint32_t node = w->node[place_of(w, &near)];
 		if (node == GW_COMPARTMENT_UNKNOWN)
 			continue;
 		points += s->count[node];
@@ -218,7 +270,7 @@ static bool passes(const sparse *s, uint32_t surfel, const cell *of)
 }
 
 /* A sparse cell's surface fills it, and so it does voids near it. */
-static void close_around(sparse *s, const cell *of, uint32_t surfel)
+static void close_around(sparse *s, const window *w, const cell *of, uint32_t surfel)
 {
 	const int32_t wide = 2 * REACH + 1;
 	add_closing(s, of, surfel);
@@ -227,23 +279,44 @@ static void close_around(sparse *s, const cell *of, uint32_t surfel)
 		to.at[0] += i % wide - REACH;
 		to.at[1] += i / wide % wide - REACH;
 		to.at[2] += i / wide / wide - REACH;
-		if (passes(s, surfel, &to) && is_void(s->c, &to))
+		if (passes(s, surfel, &to) && is_void(w, place_of(w, &to)))
 			add_closing(s, &to, surfel);
 	}
+}
+
+/* Which children of a tile are sparse, a bit each. */
+static uint32_t find_sparse(const sparse *s, const cell *parent, uint32_t tile, window *w)
+{
+	uint32_t candidates = 0, found = 0;
+	for (uint32_t octant = 0; octant < 8; octant++) {
+		uint8_t count = s->count[8 * tile + octant];
+		candidates |= (uint32_t)(count > 0 && count <= POINTS_MOST) << octant;
+	}
+	if (candidates == 0)
+		return 0;
+	look_around(s->c, parent, AROUND_POINTS, w);
+	for (uint32_t octant = 0; octant < 8; octant++) {
+		const cell of = child_of(parent, octant);
+		if ((candidates >> octant & 1u) != 0 && is_sparse(s, w, &of))
+			found |= 1u << octant;
+	}
+	return found;
 }
 
 /* The voids around all sparse cells among the children of a tile, and below them. */
 static void find_voids(sparse *s, const cell *parent, uint32_t tile)
 {
+	window *w = s->window + parent->level;
+	uint32_t sparse_ones = find_sparse(s, parent, tile, w);
+	if (sparse_ones != 0)
+		look_around(s->c, parent, AROUND_VOIDS, w);
 	for (uint32_t octant = 0; octant < 8 && !s->failed; octant++) {
 		uint32_t node = 8 * tile + octant, to = s->c->child[node];
-		cell of = { .level = parent->level + 1 };
-		for (int k = 0; k < 3; k++)
-			of.at[k] = 2 * parent->at[k] + (int32_t)(octant >> k & 1u);
+		const cell of = child_of(parent, octant);
 		if (s->count[node] == 0)
 			continue;
-		if (s->count[node] <= POINTS_MOST && is_sparse(s, &of))
-			close_around(s, &of, s->first[node]);
+		if ((sparse_ones >> octant & 1u) != 0)
+			close_around(s, w, &of, s->first[node]);
 		if (to != 0 && to != GW_WALL && of.level < s->c->depth - LEVELS_ABOVE)
 			find_voids(s, &of, to - 1);
 	}
@@ -256,7 +329,8 @@ static bool close_all(sparse *s, const gw_surfels *surfels)
 	s->count = gw_allocate_zeros(s->c->first, sizeof *s->count);
 	s->leaves = gw_allocate_zeros(s->c->first, sizeof *s->leaves);
 	s->first = gw_allocate_array(s->c->first, sizeof *s->first);
-	if (!s->count || !s->leaves || !s->first)
+	s->window = gw_allocate_array(s->c->depth, sizeof *s->window);
+	if (!s->count || !s->leaves || !s->first || !s->window)
 		return false;
 	count_surfels(s, surfels);
 	find_voids(s, &root, 0);
@@ -290,6 +364,7 @@ gw_status gw_compartments_close_sparse(gw_gpu *gpu, const gw_octree *octree,
 	free(s.count);
 	free(s.leaves);
 	free(s.first);
+	free(s.window);
 	free(s.closing);
 	return status;
 }
