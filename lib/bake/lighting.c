@@ -152,7 +152,7 @@ static gw_status take_known(gw_lighting *lighting, gw_error *error)
 gw_status gw_lighting_direct(gw_lighting *lighting, gw_error *error)
 {
 	gw_scene *scene = lighting->scene;
-	uint64_t slots = 2 * (uint64_t)scene->octree.leaf_count;
+	uint64_t facets = scene->octree.facet_count;
 	GW_TRY(gw_lighting_list_lights(lighting, error));
 	if (!lighting->plan.lamps && !scene->known) {
 		drop_direct(lighting);
@@ -160,8 +160,8 @@ gw_status gw_lighting_direct(gw_lighting *lighting, gw_error *error)
 	}
 	GW_TRY(gw_lighting_darken(lighting, GW_BUFFER_TEXEL, scene->surfels.count, "direct irradiance",
 							  &lighting->surfel_direct, error));
-	if (slots > 0)
-		GW_TRY(gw_lighting_darken(lighting, GW_BUFFER_TEXEL, slots, "facet direct irradiance",
+	if (facets > 0)
+		GW_TRY(gw_lighting_darken(lighting, GW_BUFFER_TEXEL, facets, "facet direct irradiance",
 								  &lighting->facet_direct, error));
 	const gw_lit_cloud cloud = { .passes = &scene->passes,
 								 .octree = &scene->octree,

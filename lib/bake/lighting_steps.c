@@ -224,11 +224,11 @@ static void report_shut_in(const gw_lighting *lighting)
 gw_status gw_lighting_gather_first(gw_lighting *lighting, gw_error *error)
 {
 	gw_scene *s = lighting->scene;
-	uint64_t slots = 2 * (uint64_t)s->octree.leaf_count;
+	uint64_t facets = s->octree.facet_count;
 	GW_TRY(gw_scene_find_compartments(s, error));
 	if (s->options.method != GW_METHOD_CONES && !gw_transport_is_written(s->options.transport))
 		gw_octree_drop_neighbours(s->gpu, &s->octree);
-	GW_TRY(gw_lighting_darken(lighting, GW_BUFFER_TEXEL, slots, "facet radiance",
+	GW_TRY(gw_lighting_darken(lighting, GW_BUFFER_TEXEL, facets, "facet radiance",
 							  &lighting->facet_radiance, error));
 	if (!lighting->whole)
 		report_shut_in(lighting);
@@ -271,10 +271,10 @@ static gw_status keep_patches(gw_lighting *lighting, const gw_buffer *facet_radi
 							  gw_error *error)
 {
 	gw_scene *s = lighting->scene;
-	uint64_t slots = 2 * (uint64_t)s->octree.leaf_count;
-	GW_TRY(gw_lighting_darken(lighting, GW_BUFFER_TEXEL, slots, "radiance of patches",
+	uint64_t facets = s->octree.facet_count;
+	GW_TRY(gw_lighting_darken(lighting, GW_BUFFER_TEXEL, facets, "radiance of patches",
 							  &lighting->patch_radiance, error));
-	GW_TRY(gw_light_add(&s->passes, facet_radiance, &lighting->patch_radiance, slots, error));
+	GW_TRY(gw_light_add(&s->passes, facet_radiance, &lighting->patch_radiance, facets, error));
 	lighting->patches.radiance = &lighting->patch_radiance;
 	return GW_OK;
 }
@@ -351,7 +351,7 @@ static gw_status carry(const gw_lighting *lighting, gw_buffer *facets, gw_error 
 	uint64_t bytes = 16 * (uint64_t)s->surfels.count;
 	GW_TRY(gw_buffer_create(s->gpu,
 							&(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
-													  32 * (uint64_t)s->octree.leaf_count,
+													  16 * (uint64_t)s->octree.facet_count,
 													  "carried light of facets" },
 							facets, error));
 	GW_TRY(

@@ -51,7 +51,7 @@ static gw_status average(gw_scene *scene, const float *radiance, gw_buffer buffe
 						 gw_error *error)
 {
 	const uint64_t bytes[2] = { 16 * (uint64_t)scene->surfels.count,
-								32 * (uint64_t)scene->octree.leaf_count };
+								16 * (uint64_t)scene->octree.facet_count };
 	static const char *const name[] = { "radiance of surfels", "radiance of facets" };
 	for (int i = 0; i < 2; i++)
 		GW_TRY(gw_buffer_create(scene->gpu,

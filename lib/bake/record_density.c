@@ -30,7 +30,7 @@ typedef struct density_work {
 	double *mass;                                  /* records */
 	float *most, *factor;                          /* records */
 	gw_view facet_row, facet_record, facet_weight; /* of gw_records */
-	size_t records, slots;
+	size_t records, facets;
 	float least; /* spacing, leaf cells */
 } density_work;
 
@@ -112,13 +112,14 @@ static bool come_closer(float *spacing, double factor, float least)
 static void refine_facets(const density_work *w, gw_record_density *density)
 {
 	const uint32_t *row = w->facet_row.bytes;
-	for (size_t slot = 0; slot < w->slots; slot++) {
-		const uint32_t *record = (const uint32_t *)w->facet_record.bytes + GW_WEIGHTS * row[slot];
-		const float *weight = (const float *)w->facet_weight.bytes + GW_WEIGHTS * row[slot];
+	for (size_t facet = 0; facet < w->facets; facet++) {
+		const uint32_t *record = (const uint32_t *)w->facet_record.bytes + GW_WEIGHTS * row[facet];
+		const float *weight = (const float *)w->facet_weight.bytes + GW_WEIGHTS * row[facet];
 		double factor = 0.0;
 		for (size_t k = 0; k < GW_WEIGHTS && record[k] != GW_NONE; k++)
 			factor += (double)weight[k] * (double)w->factor[record[k]];
-		density->facet_closer[slot] = come_closer(&density->facet_spacing[slot], factor, w->least);
+		density->facet_closer[facet] =
+			come_closer(&density->facet_spacing[facet], factor, w->least);
 	}
 }
 
@@ -134,47 +135,47 @@ static void refine_surfels(const gw_read_back *rows, const density_work *w,
 }
 
 /* The spacings of all records, where none of their own are known yet. */
-static void begin_spacings(gw_scene *s, size_t slots)
+static void begin_spacings(gw_scene *s, size_t facets)
 {
 	const gw_region_needs *region = &s->region;
 	float spacing = region->facet_spacing ? region->spacing : s->records.spacing;
-	for (size_t i = 0; i < slots; i++)
+	for (size_t i = 0; i < facets; i++)
 		s->density.facet_spacing[i] = region->facet_spacing ? region->facet_spacing[i] : spacing;
 	for (size_t i = 0; i < s->surfels.count; i++)
 		s->density.surfel_spacing[i] = spacing;
 }
 
-static bool make_density(gw_scene *s, size_t slots)
+static bool make_density(gw_scene *s, size_t facets)
 {
 	gw_record_density *d = &s->density;
 	bool first = d->facet_spacing == NULL;
 	if (first) {
-		d->facet_spacing = gw_allocate_array(slots, sizeof(float));
+		d->facet_spacing = gw_allocate_array(facets, sizeof(float));
 		d->surfel_spacing = gw_allocate_array(s->surfels.count, sizeof(float));
 	}
 	if (!d->facet_closer) {
-		d->facet_closer = gw_allocate_array(slots, sizeof(bool));
+		d->facet_closer = gw_allocate_array(facets, sizeof(bool));
 		d->surfel_closer = gw_allocate_array(s->surfels.count, sizeof(bool));
 	}
 	if (!d->facet_spacing || !d->surfel_spacing || !d->facet_closer || !d->surfel_closer)
 		return false;
 	if (first)
-		begin_spacings(s, slots);
+		begin_spacings(s, facets);
 	return true;
 }
 
 static gw_status begin(gw_scene *s, density_work *w, gw_error *error)
 {
-	*w = (density_work){ .records = s->records.count, .slots = 2 * (size_t)s->octree.leaf_count };
+	*w = (density_work){ .records = s->records.count, .facets = s->octree.facet_count };
 	uint64_t bytes = 4 * GW_WEIGHTS * (uint64_t)s->records.row_count;
 	w->light = gw_allocate_zeros(w->records, sizeof *w->light);
 	w->mass = gw_allocate_zeros(w->records, sizeof *w->mass);
 	w->most = gw_allocate_array(w->records, sizeof *w->most);
 	w->factor = gw_allocate_array(w->records, sizeof *w->factor);
-	if (!w->light || !w->mass || !w->most || !w->factor || !make_density(s, w->slots))
+	if (!w->light || !w->mass || !w->most || !w->factor || !make_density(s, w->facets))
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory to refine %zu records", w->records);
 	GW_TRY(
-		gw_view_open(s->gpu, &s->records.facet_row, 4 * (uint64_t)w->slots, &w->facet_row, error));
+		gw_view_open(s->gpu, &s->records.facet_row, 4 * (uint64_t)w->facets, &w->facet_row, error));
 	GW_TRY(gw_view_open(s->gpu, &s->records.facet_record, bytes, &w->facet_record, error));
 	return gw_view_open(s->gpu, &s->records.facet_weight, bytes, &w->facet_weight, error);
 }

@@ -124,7 +124,7 @@ static gw_status weigh_again(gw_scene *s, gw_error *error)
 	const gw_record_density *density = &s->density;
 	const gw_record_context on = gw_scene_context(s, &s->records);
 	const gw_own_spacings facet = { density->facet_spacing, density->facet_closer,
-									2 * (size_t)s->octree.leaf_count };
+									s->octree.facet_count };
 	const gw_own_spacings surfel = { density->surfel_spacing, density->surfel_closer,
 									 s->surfels.count };
 	gw_buffer facets = { 0 }, surfels = { 0 };

@@ -28,7 +28,7 @@
 typedef struct placing {
 	gw_scene *scene;
 	gw_needed_facets needed;
-	float *wanted;   /* 2 * leaves: spacing on those whose records are to be placed now */
+	float *wanted;   /* a facet: spacing on those whose records are to be placed now */
 	uint32_t *hit;   /* what the rays of the newest records hit */
 	uint32_t traced; /* records that there were before these */
 } placing;
@@ -41,8 +41,8 @@ static gw_status choose_spacing(const placing *p, float *spacing, gw_error *erro
 	const gw_record_wish wish = gw_scene_wish_records(s, &s->options);
 	double area = 0.0;
 	*spacing = fmaxf(wish.spacing, GW_RECORD_SPACING_LEAST);
-	for (size_t slot = 0; slot < 2 * p->needed.leaves; slot++)
-		area += (double)p->needed.centre[4 * slot + 3];
+	for (size_t i = 0; i < p->needed.facets; i++)
+		area += (double)p->needed.centre[4 * i + 3];
 	/* A factor of 2 either way leaves room for what is not flat. */
 	double expected = DARTS * area / ((double)*spacing * (double)*spacing);
 	if (expected > 2.0 * wish.least && (wish.most == 0 || 2.0 * expected < wish.most))
@@ -109,8 +109,8 @@ static uint32_t levels_that_matter(const gw_scene *scene)
 
 static void want_new(placing *p, const float *before)
 {
-	for (size_t slot = 0; slot < 2 * p->needed.leaves; slot++)
-		p->wanted[slot] = before[slot] < INFINITY ? INFINITY : p->needed.spacing[slot];
+	for (size_t i = 0; i < p->needed.facets; i++)
+		p->wanted[i] = before[i] < INFINITY ? INFINITY : p->needed.spacing[i];
 }
 
 /* Level after level, until nothing new is seen. */
@@ -118,14 +118,14 @@ static gw_status place_levels(placing *p, float *before, gw_error *error)
 {
 	gw_scene *s = p->scene;
 	float fine = s->region.spacing, wide = fine * WIDER;
-	size_t slots = 2 * p->needed.leaves;
+	size_t facets = p->needed.facets;
 	uint32_t levels = levels_that_matter(s);
-	memcpy(p->wanted, p->needed.spacing, slots * sizeof *p->wanted);
+	memcpy(p->wanted, p->needed.spacing, facets * sizeof *p->wanted);
 	GW_TRY(place(p, fine, error));
 	s->report->region_records = s->records.count;
 	for (uint32_t level = 0; level < levels && s->records.count > p->traced; level++) {
 		size_t more, hits = (size_t)(s->records.count - p->traced) * s->options.rays;
-		memcpy(before, p->needed.spacing, slots * sizeof *before);
+		memcpy(before, p->needed.spacing, facets * sizeof *before);
 		GW_TRY(gw_needed_facets_hit(p->hit, hits, wide, &p->needed, &more, error));
 		if (more == 0)
 			break;
@@ -141,14 +141,14 @@ static gw_status weigh_facets(const placing *p, gw_error *error)
 {
 	gw_scene *s = p->scene;
 	const gw_record_context on = gw_scene_context(s, &s->records);
-	size_t slots = 2 * p->needed.leaves;
-	bool *finite = gw_allocate_array(slots, sizeof *finite);
+	size_t facets = p->needed.facets;
+	bool *finite = gw_allocate_array(facets, sizeof *finite);
 	gw_buffer reach = { 0 };
 	if (!finite)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu facets", slots);
-	for (size_t i = 0; i < slots; i++)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu facets", facets);
+	for (size_t i = 0; i < facets; i++)
 		finite[i] = p->needed.spacing[i] < INFINITY;
-	const gw_own_spacings own = { p->needed.spacing, finite, slots };
+	const gw_own_spacings own = { p->needed.spacing, finite, facets };
 	gw_status status = gw_buffer_fill(s->gpu, &s->records.facet_record, GW_NONE, error);
 	if (status == GW_OK)
 		status = gw_buffer_fill(s->gpu, &s->records.facet_weight, 0, error);
@@ -187,23 +187,23 @@ static gw_status light_surfels(placing *p, gw_error *error)
 	gw_scene *s = p->scene;
 	const gw_record_context on = gw_scene_context(s, &s->records);
 	size_t count = s->surfels.count;
-	uint32_t *slot = gw_allocate_array(count, sizeof *slot), *back = NULL;
+	uint32_t *facet = gw_allocate_array(count, sizeof *facet), *back = NULL;
 	s->region.lit = gw_allocate_array(count, sizeof *s->region.lit);
 	gw_status status =
-		slot && s->region.lit
-			? gw_needed_facets_surfels(s->gpu, &s->octree, &p->needed, count, slot, error)
+		facet && s->region.lit
+			? gw_needed_facets_surfels(s->gpu, &s->octree, &p->needed, count, facet, error)
 			: gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu surfels", count);
 	for (size_t i = 0; i < count && status == GW_OK; i++)
-		s->region.lit[i] = slot[i] != GW_NONE || s->region.asked[i];
+		s->region.lit[i] = facet[i] != GW_NONE || s->region.asked[i];
 	if (status == GW_OK)
 		status = gw_surfel_backs_find(&s->surfels, &back, error);
 	for (size_t i = 0; i < count && back; i++)
 		if (s->region.lit[i] && back[i] != UINT32_MAX)
 			s->region.lit[back[i]] = true;
 	if (status == GW_OK)
-		status = gw_read_back_take_facets(&on, slot, &s->read_back, error);
+		status = gw_read_back_take_facets(&on, facet, &s->read_back, error);
 	free(back);
-	free(slot);
+	free(facet);
 	return status;
 }
 
@@ -222,26 +222,26 @@ static void report_needs(const placing *p)
 {
 	gw_report *r = p->scene->report;
 	r->region_facets = r->facets = 0;
-	for (size_t slot = 0; slot < 2 * p->needed.leaves; slot++) {
-		r->facets += p->needed.centre[4 * slot + 3] > 0.0f;
-		r->region_facets += p->needed.spacing[slot] < INFINITY;
+	for (size_t i = 0; i < p->needed.facets; i++) {
+		r->facets += p->needed.centre[4 * i + 3] > 0.0f;
+		r->region_facets += p->needed.spacing[i] < INFINITY;
 	}
 }
 
 static gw_status place_all(placing *p, gw_error *error)
 {
 	gw_scene *s = p->scene;
-	size_t slots = 2 * p->needed.leaves;
+	size_t facets = p->needed.facets;
 	GW_TRY(choose_spacing(p, &s->region.spacing, error));
 	const gw_needed_reach around = { fmaxf(GW_FACET_REACH * s->region.spacing, 2.0f),
 									 s->region.spacing };
 	GW_TRY(
 		gw_needed_facets_around(s->gpu, &s->octree, s->region.asked, &around, &p->needed, error));
-	p->wanted = gw_allocate_array(slots, sizeof *p->wanted);
-	float *before = gw_allocate_array(slots, sizeof *before);
+	p->wanted = gw_allocate_array(facets, sizeof *p->wanted);
+	float *before = gw_allocate_array(facets, sizeof *before);
 	gw_status status = p->wanted && before ? place_levels(p, before, error)
 										   : gw_fail(error, GW_ERROR_MEMORY,
-													 "no memory for records on %zu facets", slots);
+													 "no memory for records on %zu facets", facets);
 	free(before);
 	if (status == GW_OK)
 		status = weigh_all(p, error);

@@ -32,7 +32,7 @@ typedef struct gw_region_needs {
 	size_t count;         /* of these */
 	uint8_t *point;       /* likewise, one a point: as gw_bake_result.asked */
 	float spacing;        /* between the region's records, leaf cells */
-	float *facet_spacing; /* 2 * leaf_count: on each facet, INFINITY where none are needed; NULL
+	float *facet_spacing; /* facet_count: on each facet, INFINITY where none are needed; NULL
 							 before records were placed, and so the next */
 	bool *lit;            /* surfel count: those that lamps have to shine on */
 } gw_region_needs;
@@ -62,7 +62,7 @@ typedef struct gw_transport_identity {
 /* Where records stand closer than the spacing with which they were placed, leaf cells, or are to.
  * All NULL: nowhere. */
 typedef struct gw_record_density {
-	float *facet_spacing;               /* 2 * leaf_count */
+	float *facet_spacing;               /* facet_count */
 	float *surfel_spacing;              /* surfel count */
 	bool *facet_closer, *surfel_closer; /* likewise: whose spacing has become less; NULL where a
 										   transport brought the spacings */

@@ -97,8 +97,7 @@ static gw_status average(gw_scene *scene, gw_buffer *emission, replacement *to, 
 {
 	GW_TRY(make_texels(scene, scene->surfels.count, "emission of surfels", emission, error));
 	GW_TRY(upload(scene, to->surfels, emission, error));
-	GW_TRY(make_texels(scene, 2 * (uint64_t)scene->octree.leaf_count, "emission of facets",
-					   &to->facets, error));
+	GW_TRY(make_texels(scene, scene->octree.facet_count, "emission of facets", &to->facets, error));
 	return gw_average_facets(&scene->passes, &scene->octree, emission, &to->facets, error);
 }
 

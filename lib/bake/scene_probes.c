@@ -373,7 +373,7 @@ static gw_status show(gw_scene *scene, gw_placed_probes *placed, gw_probe_maps *
 	GW_TRY(gw_scene_describe_probes(scene, placed, true, maps->probes, error));
 	GW_TRY(gw_probe_hits_show(&seen, hits, 1.0, maps->probes, error));
 	for (size_t i = 0; i < texels; i++)
-		if (hits->facet[i] >= 2 * scene->octree.leaf_count)
+		if (hits->facet[i] >= scene->octree.facet_count)
 			hits->facet[i] = GW_NONE;
 	maps->facet = placed->hits.facet;
 	placed->hits.facet = NULL;

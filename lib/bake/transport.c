@@ -22,7 +22,7 @@
 #include <string.h>
 
 #define MAGIC "glowworm transport\n"
-#define VERSION 26u
+#define VERSION 27u
 
 /* Blocks are read and checked in chunks, by all threads. */
 #define CHUNK_BYTES (UINT64_C(1) << 20)
@@ -398,15 +398,23 @@ static gw_status take_blocks(gw_scene *scene, const gw_transport *t, arrivals *a
 	return status;
 }
 
-/* What bounds of single indices do not say: a walk through the tree of large discs ends. */
-static bool tree_fits(const gw_scene *scene, const arrivals *all)
+/* What has come for a buffer of words. */
+static const uint32_t *words_of(const arrivals *all, const gw_buffer *buffer)
+{
+	const arrival *a = all->arrival;
+	while (a->block->buffer != buffer)
+		a++;
+	return (const uint32_t *)a->from;
+}
+
+/* What bounds of single indices do not say: facets have their numbers, and a walk through the tree
+ * of large discs ends. */
+static bool octree_fits(const gw_scene *scene, const arrivals *all)
 {
 	const gw_octree *o = &scene->octree;
-	const arrival *a = all->arrival;
-	while (a->block->buffer != &o->disc_tree)
-		a++;
-	return gw_disc_tree_fits((const uint32_t *)a->from, o->tree_discs, o->tree_nodes,
-							 2 * (uint64_t)o->leaf_count);
+	return gw_octree_numbers_fit(o, words_of(all, &o->facet_leaf), words_of(all, &o->leaf_tile)) &&
+		   gw_disc_tree_fits(words_of(all, &o->disc_tree), o->tree_discs, o->tree_nodes,
+							 o->facet_count);
 }
 
 /* And rows follow each other, and strays are points. */
@@ -442,7 +450,7 @@ static bool are_spacings(const gw_scene *scene, const float *spacing, size_t cou
 static bool density_fits(const gw_scene *scene)
 {
 	const gw_record_density *d = &scene->density;
-	return are_spacings(scene, d->facet_spacing, 2 * (size_t)scene->octree.leaf_count) &&
+	return are_spacings(scene, d->facet_spacing, scene->octree.facet_count) &&
 		   are_spacings(scene, d->surfel_spacing, scene->surfels.count);
 }
 
@@ -482,8 +490,9 @@ static gw_status read_blocks(gw_scene *scene, const gw_transport *t, const head 
 		return damaged(t, "this transport is damaged", error);
 	GW_TRY(take_blocks(scene, t, &all, error));
 	GW_TRY(gw_compartments_fit(&scene->octree, &fits, error));
-	if (!fits || !tree_fits(scene, &all) || !rows_fit(scene, &h->numbers) || !density_fits(scene) ||
-		!gw_placed_probes_fit(&scene->probes) || !gw_space_fits(&scene->space) ||
+	if (!fits || !octree_fits(scene, &all) || !rows_fit(scene, &h->numbers) ||
+		!density_fits(scene) || !gw_placed_probes_fit(&scene->probes) ||
+		!gw_space_fits(&scene->space) ||
 		!gw_check_tree_fits(&scene->check_tree, scene->surfels.count))
 		return damaged(t, "this transport is damaged", error);
 	return GW_OK;

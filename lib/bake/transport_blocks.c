@@ -66,6 +66,7 @@ gw_transport_numbers gw_transport_numbers_of(const gw_scene *scene)
 	n.depth = o->depth;
 	n.directory_level = o->directory_level;
 	n.leaves = o->leaf_count;
+	n.facets = o->facet_count;
 	n.leaf_tiles = o->leaf_tile_count;
 	n.tiles = o->tile_count;
 	n.border_tiles = o->border_tile_count;
@@ -93,7 +94,7 @@ gw_transport_numbers gw_transport_numbers_of(const gw_scene *scene)
 	n.check_points = scene->check_points.count;
 	n.check_point_rays = scene->check_points.rays;
 	n.check_points_lit = scene->check_points.emitted != NULL;
-	n.dark_slot = o->dark_slot;
+	n.dark_facet = o->dark_facet;
 	n.wanted_leaf_size = o->wanted_leaf_size;
 	snprintf(n.why_coarser, sizeof n.why_coarser, "%s", o->why_coarser);
 	n.probes = scene->probes.numbers;
@@ -138,9 +139,9 @@ bool gw_transport_numbers_fit(const gw_transport_numbers *n)
 		   n->check_points <= n->surfels && n->check_point_rays <= 4096 &&
 		   n->check_points_lit <= (n->emits == 1 && n->check_points > 0) &&
 		   isfinite(n->leaf_size) && n->leaf_size > 0.0f && n->block_level < n->depth &&
-		   n->leaves > 0 && n->leaves <= INT32_MAX / 2 && n->dark_slot <= 2 * n->leaves &&
-		   n->facet_rows > 0 && n->facet_rows <= 2 * n->leaves + 1 &&
-		   isfinite(n->wanted_leaf_size) &&
+		   n->leaves > 0 && n->leaves <= INT32_MAX / 2 && n->facets > n->leaves &&
+		   n->facets <= 2 * n->leaves + 1 && (n->dark_facet == 0 || n->dark_facet == n->facets) &&
+		   n->facet_rows > 0 && n->facet_rows <= n->facets && isfinite(n->wanted_leaf_size) &&
 		   memchr(n->why_coarser, 0, sizeof n->why_coarser) != NULL &&
 		   (uint64_t)n->tiles * 8 < UINT32_MAX && (uint64_t)n->leaf_tiles * 8 < UINT32_MAX;
 }
@@ -159,9 +160,10 @@ void gw_transport_numbers_restore(const gw_transport_numbers *n, gw_scene *scene
 	*o = (gw_octree){ .depth = n->depth,
 					  .leaf_size = n->leaf_size,
 					  .wanted_leaf_size = n->wanted_leaf_size,
-					  .dark_slot = n->dark_slot,
+					  .dark_facet = n->dark_facet,
 					  .directory_level = n->directory_level,
 					  .leaf_count = n->leaves,
+					  .facet_count = n->facets,
 					  .leaf_tile_count = n->leaf_tiles,
 					  .tile_count = n->tiles,
 					  .border_tile_count = n->border_tiles,
@@ -263,7 +265,7 @@ static void list_surfels(list *l, gw_scene *scene, const gw_transport_numbers *n
 	lent(l, "albedo", &s->albedo, 12 * count);
 	if (n->emits)
 		lent(l, "emission", &s->emission, 12 * count);
-	if (n->dark_slot)
+	if (n->dark_facet)
 		lent(l, "transparency", &s->transparency, 4 * count);
 	lent(l, "distances", &s->nearest, 4 * count);
 	lent(l, "radii", &s->radius, 4 * count);
@@ -297,7 +299,7 @@ static void list_tree(list *l, gw_octree *o, const gw_transport_numbers *n)
 	device(l, "keys of leaf tiles", &o->leaf_tile_key, 8 * (uint64_t)n->leaf_tiles)->format = pair;
 	words(l, "leaf neighbours", &o->leaf_tile_neighbour, 32 * (uint64_t)n->leaf_tiles, pointers);
 	index_below(device(l, "leaf tiles", &o->leaf_tile, 8 * (uint64_t)n->leaf_tiles), pair,
-				(uint64_t)n->leaves + 1, UINT32_MAX, 2);
+				n->facets, UINT32_MAX, 2);
 	device(l, "cells", &o->leaf_cell, 16 * (uint64_t)n->leaves)->format =
 		VK_FORMAT_R32G32B32A32_UINT;
 	words(l, "directory of levels", &o->level_directory, 4 * levels, pointers);
@@ -318,9 +320,11 @@ static void list_compartments(list *l, gw_octree *o, const gw_transport_numbers 
 
 static void list_leaves(list *l, gw_octree *o, const gw_transport_numbers *n)
 {
-	uint64_t facets = 32 * (uint64_t)n->leaves, surfels = 16 * n->surfels;
+	uint64_t facets = 16 * (uint64_t)n->facets, surfels = 16 * n->surfels;
 	if (n->optional & VOXELS)
-		device(l, "geometry of leaves", &o->leaf_geometry, facets);
+		device(l, "geometry of leaves", &o->leaf_geometry, 32 * (uint64_t)n->leaves);
+	index_below(device(l, "leaves of facets", &o->facet_leaf, 4 * (uint64_t)n->facets),
+				VK_FORMAT_R32_UINT, n->leaves, GW_FACET_LEAF, 1);
 	device(l, "planes of facets", &o->facet_plane, facets);
 	device(l, "centroids of facets", &o->facet_centre, facets);
 	device(l, "albedos of facets", &o->facet_albedo, facets);
@@ -342,19 +346,19 @@ static void list_leaves(list *l, gw_octree *o, const gw_transport_numbers *n)
 static void list_records(list *l, gw_scene *scene, const gw_transport_numbers *n)
 {
 	gw_records *r = &scene->records;
-	uint64_t slots = 2 * (uint64_t)n->leaves, hits = (uint64_t)n->rays * n->records;
-	uint64_t facets = n->facet_rows;
+	uint64_t facets = n->facets, hits = (uint64_t)n->rays * n->records;
+	uint64_t rows = n->facet_rows;
 	device(l, "record position", &r->position, 16 * (uint64_t)n->records);
 	device(l, "record normal", &r->normal, 16 * (uint64_t)n->records);
-	index_below(host(l, "facets of records", &r->facet, 4 * (uint64_t)n->records), 0, slots,
+	index_below(host(l, "facets of records", &r->facet, 4 * (uint64_t)n->records), 0, facets,
 				~GW_RECORD_BACK, 1);
-	gw_transport_block *row = device(l, "facet row", &r->facet_row, 4 * slots);
+	gw_transport_block *row = device(l, "facet row", &r->facet_row, 4 * facets);
 	index_below(row, VK_FORMAT_R32_UINT, n->facet_rows, UINT32_MAX, 1);
 	row->all = true;
-	index_below(device(l, "facet record", &r->facet_record, 4 * GW_WEIGHTS * facets),
+	index_below(device(l, "facet record", &r->facet_record, 4 * GW_WEIGHTS * rows),
 				VK_FORMAT_R32G32B32A32_UINT, n->records, UINT32_MAX, 1);
-	device(l, "facet weight", &r->facet_weight, 4 * GW_WEIGHTS * facets);
-	words(l, "hit facet", &scene->rays.facet, 4 * hits, slots);
+	device(l, "facet weight", &r->facet_weight, 4 * GW_WEIGHTS * rows);
+	words(l, "hit facet", &scene->rays.facet, 4 * hits, facets);
 	scalars(l, "hit distance", &scene->rays.distance, 4 * hits);
 	if (n->portals)
 		device(l, "portals", &scene->portals.sphere, 16 * (uint64_t)n->portals);
@@ -367,7 +371,7 @@ static void list_records(list *l, gw_scene *scene, const gw_transport_numbers *n
 				0, n->records, UINT32_MAX, 1);
 	lent(l, "weights of surfels", &scene->read_back.weight, 4 * (uint64_t)n->entries);
 	if (n->optional & ADDED) {
-		host(l, "spacing of facets", &scene->density.facet_spacing, 4 * slots);
+		host(l, "spacing of facets", &scene->density.facet_spacing, 4 * facets);
 		host(l, "spacing of surfels", &scene->density.surfel_spacing, 4 * n->surfels);
 	}
 }
@@ -402,8 +406,7 @@ static void list_check_points(list *l, gw_scene *scene, const gw_transport_numbe
 		return;
 	index_below(host(l, "points of the estimate", &p->point, 4 * (uint64_t)n->check_points), 0,
 				n->surfels, UINT32_MAX, 1);
-	index_below(host(l, "what they see", &p->facet, 4 * hits), 0, 2 * (uint64_t)n->leaves,
-				UINT32_MAX, 1);
+	index_below(host(l, "what they see", &p->facet, 4 * hits), 0, n->facets, UINT32_MAX, 1);
 	host(l, "how far that is", &p->distance, 4 * hits);
 	if (n->check_points_lit)
 		host(l, "light of emitters there", &p->emitted, 16 * gathers);
@@ -418,7 +421,7 @@ static void list_probes(list *l, gw_scene *scene, const gw_transport_numbers *n)
 	host(l, "places of probes", &h->place, 16 * probes);
 	host(l, "free space about probes", &scene->probes.radius, 4 * probes);
 	index_below(host(l, "what probes see", &h->facet, 4 * probes * size * size), 0,
-				2 * (uint64_t)n->leaves + 1, UINT32_MAX, 1);
+				(uint64_t)n->facets + 1, UINT32_MAX, 1);
 	host(l, "how far that is from them", &h->distance, 4 * probes * size * size);
 }
 

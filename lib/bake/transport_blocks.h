@@ -16,7 +16,7 @@ typedef struct gw_transport_numbers {
 	uint64_t surfels, points;
 	uint64_t repaired[8]; /* gw_surfels.non_finite and following */
 	uint64_t tree_discs, tree_nodes, strays;
-	uint32_t depth, directory_level, leaves, leaf_tiles, tiles, border_tiles, fragments;
+	uint32_t depth, directory_level, leaves, facets, leaf_tiles, tiles, border_tiles, fragments;
 	uint32_t tile_first[GW_DEPTH_MAX + 2];
 	uint32_t records, block_level, block_count, block_tile_first, rays, ray_seed;
 	uint32_t facet_rows;      /* of gw_records */
@@ -31,7 +31,7 @@ typedef struct gw_transport_numbers {
 	uint32_t check_points,
 		check_point_rays;      /* points whose error was estimated, and rays of a gather there */
 	uint32_t check_points_lit; /* 1: what emitters brought them is kept */
-	uint32_t dark_slot;        /* of gw_octree; 0: all is opaque */
+	uint32_t dark_facet;       /* of gw_octree; 0: all is opaque */
 	float wanted_leaf_size;    /* likewise, as the next */
 	char why_coarser[GW_OCTREE_WHY];
 	gw_probe_numbers probes; /* that were placed */
@@ -55,7 +55,7 @@ typedef struct gw_transport_block {
 	bool stays;     /* of the host: never written to, and may be somebody else's */
 } gw_transport_block;
 
-/* As many as a scene has in which all is there that one may have (75), and some. */
+/* As many as a scene has in which all is there that one may have (76), and some. */
 #define GW_TRANSPORT_BLOCKS 80u
 
 gw_transport_numbers gw_transport_numbers_of(const gw_scene *scene);

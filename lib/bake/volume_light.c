@@ -85,19 +85,20 @@ static gw_status shade_all(gw_lighting *lighting, gw_buffer *total, gw_buffer *r
 	gw_scene *s = lighting->scene;
 	const gw_record_context on = gw_scene_context(s, &s->records);
 	const VkFormat f4 = VK_FORMAT_R32G32B32A32_SFLOAT;
-	uint64_t records = s->records.count, slots = 2 * (uint64_t)s->octree.leaf_count;
+	uint64_t records = s->records.count, facets = (uint64_t)s->octree.facet_count;
 	GW_TRY(gw_buffer_create(
 		s->gpu, &(gw_buffer_description){ GW_BUFFER_TEXEL, f4, 16 * records, "record irradiance" },
 		total, error));
 	GW_TRY(gw_buffer_create(
-		s->gpu, &(gw_buffer_description){ GW_BUFFER_TEXEL, f4, 16 * slots, "final facet radiance" },
+		s->gpu,
+		&(gw_buffer_description){ GW_BUFFER_TEXEL, f4, 16 * facets, "final facet radiance" },
 		radiance, error));
 	GW_TRY(gw_light_add(&s->passes, &s->records.first, total, records, error));
 	GW_TRY(gw_light_add(&s->passes, &s->records.indirect, total, records, error));
 	GW_TRY(gw_facets_shade(&on, total, &lighting->facet_direct, 1.0f, radiance, error));
 	if (!lighting->plan.emitters)
 		return GW_OK;
-	return gw_light_add(&s->passes, &s->octree.facet_emission, radiance, slots, error);
+	return gw_light_add(&s->passes, &s->octree.facet_emission, radiance, facets, error);
 }
 
 /* The cells and their harmonics, from the device. */

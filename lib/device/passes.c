@@ -10,7 +10,7 @@
 #include <string.h>
 
 /* Of one pass, at most. Of textures, which texel buffers count as, every device takes 16. */
-#define BINDINGS 20u
+#define BINDINGS 21u
 
 /* The specialisation constants by which a shader's pass differs: of those that it has
  * (SPIR-V specification, OpDecorate with SpecId); 0 for all others. */

@@ -151,11 +151,11 @@ static gw_status sum_and_shade(const gw_estimate_task *task, gw_buffer *total, g
 	const gw_record_context on = { task->passes, task->octree, records };
 	GW_TRY(gw_light_add(task->passes, &records->first, total, records->count, error));
 	GW_TRY(gw_light_add(task->passes, &records->indirect, total, records->count, error));
-	GW_TRY(gw_buffer_create(
-		task->passes->gpu,
-		&(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
-								  32 * (uint64_t)task->octree->leaf_count, "final facet radiance" },
-		radiance, error));
+	GW_TRY(gw_buffer_create(task->passes->gpu,
+							&(gw_buffer_description){
+								GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+								16 * (uint64_t)task->octree->facet_count, "final facet radiance" },
+							radiance, error));
 	return gw_facets_shade(&on, total, task->facet_direct, 1.0f, radiance, error);
 }
 

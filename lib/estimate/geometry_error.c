@@ -47,7 +47,8 @@ typedef struct views {
 	gw_view position, normal;    /* of records */
 	gw_view hit, distance;       /* of their rays */
 	gw_view reflected, emission; /* of facets */
-	gw_view first, fragment;     /* surfels of leaves, where some emit */
+	gw_view leaf;                /* of facets, where some surfels emit */
+	gw_view first, fragment;     /* surfels of leaves, likewise */
 	gw_view texel;               /* of the sky's map */
 } views;
 
@@ -103,34 +104,35 @@ static double emission_of(const gw_surfels *s, uint32_t surfel)
 }
 
 /* Is a surfel one of those that a facet is the mean of? */
-static bool is_part(const check *c, uint32_t slot, uint32_t surfel)
+static bool is_part(const check *c, uint32_t facet, uint32_t surfel)
 {
 	const uint32_t *first = c->view.first.bytes, *word = c->view.fragment.bytes;
-	for (uint32_t f = first[slot >> 1]; f < first[(slot >> 1) + 1]; f++)
+	size_t leaf = gw_facet_leaf(((const uint32_t *)c->view.leaf.bytes)[facet]);
+	for (uint32_t f = first[leaf]; f < first[leaf + 1]; f++)
 		if ((word[f] & GW_FRAGMENT_ROI) == 0 && (word[f] & GW_FRAGMENT_SURFEL) == surfel)
 			return true;
 	return false;
 }
 
 /* Do a facet and a surfel that the same ray meets agree about what emits? */
-static bool agree(const check *c, uint32_t slot, double emission, uint32_t surfel)
+static bool agree(const check *c, uint32_t facet, double emission, uint32_t surfel)
 {
 	return surfel != GW_NONE &&
 		   ((emission > 0.0) == (emission_of(c->task->surfels, surfel) > 0.0) ||
-			is_part(c, slot, surfel));
+			is_part(c, facet, surfel));
 }
 
 /* What a facet sends to a ray. Its emission is a mean over all that lies in it, which matters
  * little where emitters are sampled by their area: as long as discs agree that the ray meets one,
  * or none, theirs counts. */
-static double facet_light(const check *c, uint32_t slot, const gw_check_hit *hit)
+static double facet_light(const check *c, uint32_t facet, const gw_check_hit *hit)
 {
 	const float *reflected = c->view.reflected.bytes, *mean = c->view.emission.bytes;
-	double light = reflected ? gw_luminance(reflected + 4 * (size_t)slot) : 0.0;
-	double emission = mean ? gw_luminance(mean + 4 * (size_t)slot) : 0.0;
-	if (mean && agree(c, slot, emission, hit->small))
+	double light = reflected ? gw_luminance(reflected + 4 * (size_t)facet) : 0.0;
+	double emission = mean ? gw_luminance(mean + 4 * (size_t)facet) : 0.0;
+	if (mean && agree(c, facet, emission, hit->small))
 		emission = emission_of(c->task->surfels, hit->small);
-	else if (mean && agree(c, slot, emission, hit->large))
+	else if (mean && agree(c, facet, emission, hit->large))
 		emission = emission_of(c->task->surfels, hit->large);
 	return light + emission;
 }
@@ -449,7 +451,7 @@ static gw_status check_lamps(check *c, finding *found, gw_error *error)
 static gw_status open_records(const gw_geometry_task *t, views *v, gw_error *error)
 {
 	const gw_octree *o = t->octree;
-	uint64_t records = 16 * (uint64_t)t->records->count, slots = 32 * (uint64_t)o->leaf_count;
+	uint64_t records = 16 * (uint64_t)t->records->count, facets = 16 * (uint64_t)o->facet_count;
 	const gw_sky_map *m = t->map;
 	GW_TRY(gw_view_open(t->gpu, &t->records->position, records, &v->position, error));
 	GW_TRY(gw_view_open(t->gpu, &t->records->normal, records, &v->normal, error));
@@ -457,9 +459,11 @@ static gw_status open_records(const gw_geometry_task *t, views *v, gw_error *err
 	GW_TRY(
 		gw_view_open(t->gpu, &t->rays->distance, records / 4 * t->rays->rays, &v->distance, error));
 	if (t->facet_radiance)
-		GW_TRY(gw_view_open(t->gpu, t->facet_radiance, slots, &v->reflected, error));
+		GW_TRY(gw_view_open(t->gpu, t->facet_radiance, facets, &v->reflected, error));
 	if (gw_surfels_emit(t->surfels))
-		GW_TRY(gw_view_open(t->gpu, &o->facet_emission, slots, &v->emission, error));
+		GW_TRY(gw_view_open(t->gpu, &o->facet_emission, facets, &v->emission, error));
+	if (gw_surfels_emit(t->surfels))
+		GW_TRY(gw_view_open(t->gpu, &o->facet_leaf, facets / 4, &v->leaf, error));
 	if (gw_surfels_emit(t->surfels))
 		GW_TRY(gw_view_open(t->gpu, &o->leaf_fragment, 4 * ((uint64_t)o->leaf_count + 1), &v->first,
 							error));
@@ -474,9 +478,9 @@ static gw_status open_records(const gw_geometry_task *t, views *v, gw_error *err
 
 static void close_all(check *c)
 {
-	gw_view *view[] = { &c->view.position, &c->view.normal,   &c->view.hit,
-						&c->view.distance, &c->view.texel,    &c->view.first,
-						&c->view.fragment, &c->view.emission, &c->view.reflected };
+	gw_view *view[] = { &c->view.position, &c->view.normal,   &c->view.hit,      &c->view.distance,
+						&c->view.texel,    &c->view.first,    &c->view.fragment, &c->view.leaf,
+						&c->view.emission, &c->view.reflected };
 	for (size_t i = 0; i < sizeof view / sizeof view[0]; i++)
 		gw_view_close(view[i]);
 }

@@ -141,16 +141,24 @@ static gw_check_place surface_at(const gw_hit_light *h, size_t i, const gw_hit_p
 	return found;
 }
 
+/* The fragments of a facet's leaf. */
+static void fragments_around(const gw_hit_light *h, uint32_t facet, uint32_t *begin, uint32_t *end)
+{
+	size_t leaf = gw_facet_leaf(((const uint32_t *)h->leaf.bytes)[facet]);
+	*begin = ((const uint32_t *)h->first.bytes)[leaf];
+	*end = ((const uint32_t *)h->first.bytes)[leaf + 1];
+}
+
 static facet_points sum_points(const gw_hit_light *h, uint32_t facet, gw_vec3 at)
 {
-	const uint32_t *first = h->first.bytes, *fragment = h->fragment.bytes;
+	const uint32_t *fragment = h->fragment.bytes;
 	const float *weight = h->weight.bytes;
-	uint32_t begin = first[facet >> 1], end = first[(facet >> 1) + 1];
+	uint32_t own = ((const uint32_t *)h->leaf.bytes)[facet], begin, end;
+	fragments_around(h, facet, &begin, &end);
 	uint32_t stride = (end - begin) / FRAGMENTS + 1;
 	facet_points sum = { .squared = INFINITY };
 	for (uint32_t f = begin; f < end; f += stride)
-		if ((fragment[f] & GW_FRAGMENT_ROI) == 0 &&
-			((fragment[f] & GW_FRAGMENT_FACET) != 0) == ((facet & 1u) != 0))
+		if (gw_facet_holds(own, fragment[f]))
 			add_point(h, fragment[f] & GW_FRAGMENT_SURFEL, weight[f], at, &sum);
 	return sum;
 }
@@ -190,8 +198,10 @@ double gw_hit_light_beyond_facet(const gw_hit_light *h, uint32_t facet, const gw
 
 static bool lies_in(const gw_hit_light *h, uint32_t facet, uint32_t surfel)
 {
-	const uint32_t *first = h->first.bytes, *fragment = h->fragment.bytes;
-	for (uint32_t f = first[facet >> 1]; f < first[(facet >> 1) + 1]; f++)
+	const uint32_t *fragment = h->fragment.bytes;
+	uint32_t begin, end;
+	fragments_around(h, facet, &begin, &end);
+	for (uint32_t f = begin; f < end; f++)
 		if ((fragment[f] & GW_FRAGMENT_ROI) == 0 && (fragment[f] & GW_FRAGMENT_SURFEL) == surfel)
 			return true;
 	return false;
@@ -261,10 +271,11 @@ static gw_status open_views(gw_hit_light *h, gw_error *error)
 {
 	gw_gpu *gpu = h->task.gpu;
 	const gw_octree *o = h->task.octree;
-	const uint64_t facets = 32 * (uint64_t)o->leaf_count,
+	const uint64_t facets = 16 * (uint64_t)o->facet_count,
 				   fragments = 4 * (uint64_t)o->fragment_count;
 	GW_TRY(gw_view_open(gpu, &o->facet_albedo, facets, &h->albedo, error));
 	GW_TRY(gw_view_open(gpu, h->task.facet_direct, facets, &h->direct, error));
+	GW_TRY(gw_view_open(gpu, &o->facet_leaf, facets / 4, &h->leaf, error));
 	GW_TRY(
 		gw_view_open(gpu, &o->leaf_fragment, 4 * ((uint64_t)o->leaf_count + 1), &h->first, error));
 	GW_TRY(gw_view_open(gpu, &o->fragment_surfel, fragments, &h->fragment, error));
@@ -289,8 +300,8 @@ gw_status gw_hit_light_open(const gw_hit_light_task *task, gw_hit_light *light, 
 
 void gw_hit_light_close(gw_hit_light *light)
 {
-	gw_view *const all[] = { &light->albedo, &light->direct, &light->first, &light->fragment,
-							 &light->weight };
+	gw_view *const all[] = { &light->albedo, &light->direct,   &light->leaf,
+							 &light->first,  &light->fragment, &light->weight };
 	for (size_t i = 0; i < sizeof all / sizeof *all; i++)
 		gw_view_close(all[i]);
 	free(light->lamp);

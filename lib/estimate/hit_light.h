@@ -30,6 +30,7 @@ typedef struct gw_hit_light {
 	gw_lamp *lamp; /* lamps */
 	size_t lamps;
 	gw_view albedo, direct;          /* of facets, 4 floats each */
+	gw_view leaf;                    /* facet_leaf */
 	gw_view first, fragment, weight; /* of leaves */
 } gw_hit_light;
 

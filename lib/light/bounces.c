@@ -46,7 +46,7 @@ gw_status gw_facets_shade(const gw_record_context *on, const gw_buffer *records_
 									gw_window(&on->records->facet_row, 4) };
 	return gw_passes_run(on->passes, GW_PASS_FACET_SHADE, bindings,
 						 &(gw_record_push){ .direct_share = lamps ? direct_share : 0.0f },
-						 2 * (uint64_t)on->octree->leaf_count, error);
+						 on->octree->facet_count, error);
 }
 
 /* Sums over facets: on the device where they are shaded there; else a chunk at a time, so that the
@@ -55,9 +55,9 @@ typedef struct facet_sums {
 	bool on_device;
 	gw_light_sums device;
 	gw_light_sum records;     /* on the device: that was read with the facets' */
-	gw_view centre, radiance; /* 4 floats a slot, area in w of the centre */
+	gw_view centre, radiance; /* 4 floats a facet, area in w of the centre */
 	gw_view albedo;           /* likewise, with transparency; only where something has some */
-	size_t slots;
+	size_t facets;
 	double *power; /* a chunk: area * |luminance(L)| */
 	float *largest;
 } facet_sums;
@@ -67,17 +67,17 @@ static gw_status sums_create(const gw_bounces_task *task, facet_sums *sums, gw_e
 	sums->on_device = gw_passes_way(task->on.passes, GW_PASS_FACET_SHADE) == GW_WAY_DEVICE;
 	if (sums->on_device)
 		return gw_light_sums_create(&task->on, &sums->device, error);
-	sums->slots = 2 * (size_t)task->on.octree->leaf_count;
-	size_t chunks = sums->slots / SUM_CHUNK + 1;
+	sums->facets = task->on.octree->facet_count;
+	size_t chunks = sums->facets / SUM_CHUNK + 1;
 	sums->power = gw_allocate_array(chunks, sizeof *sums->power);
 	sums->largest = gw_allocate_array(chunks, sizeof *sums->largest);
 	if (!sums->power || !sums->largest)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory for sums over %zu facets", sums->slots);
-	GW_TRY(gw_view_open(task->on.passes->gpu, &task->on.octree->facet_centre, 16 * sums->slots,
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for sums over %zu facets", sums->facets);
+	GW_TRY(gw_view_open(task->on.passes->gpu, &task->on.octree->facet_centre, 16 * sums->facets,
 						&sums->centre, error));
-	if (task->on.octree->dark_slot == 0)
+	if (task->on.octree->dark_facet == 0)
 		return GW_OK;
-	return gw_view_open(task->on.passes->gpu, &task->on.octree->facet_albedo, 16 * sums->slots,
+	return gw_view_open(task->on.passes->gpu, &task->on.octree->facet_albedo, 16 * sums->facets,
 						&sums->albedo, error);
 }
 
@@ -123,13 +123,13 @@ static gw_status measure_device(const gw_bounces_task *task, facet_sums *sums, d
 static gw_status measure_chunks(const gw_bounces_task *task, facet_sums *sums, double *power,
 								float *largest, gw_error *error)
 {
-	GW_TRY(gw_view_open(task->on.passes->gpu, task->facet_radiance, 16 * sums->slots,
+	GW_TRY(gw_view_open(task->on.passes->gpu, task->facet_radiance, 16 * sums->facets,
 						&sums->radiance, error));
-	gw_parallel_for(task->on.passes->threads, sums->slots, SUM_CHUNK, sum_chunk, sums);
+	gw_parallel_for(task->on.passes->threads, sums->facets, SUM_CHUNK, sum_chunk, sums);
 	gw_view_close(&sums->radiance);
 	*power = 0.0;
 	*largest = 0.0f;
-	for (size_t chunk = 0; chunk * SUM_CHUNK < sums->slots; chunk++) {
+	for (size_t chunk = 0; chunk * SUM_CHUNK < sums->facets; chunk++) {
 		*power += sums->power[chunk];
 		*largest = fmaxf(*largest, sums->largest[chunk]);
 	}

@@ -36,7 +36,7 @@ typedef struct gw_bounces_task {
 	/* Irradiance of the facets from point, spot and sun lights; of no handle where there is none.
 	 */
 	const gw_buffer *facet_direct;
-	gw_buffer *facet_radiance; /* texel buffer, 2 * leaf_count vec4: work space */
+	gw_buffer *facet_radiance; /* texel buffer, facet_count vec4: work space */
 	gw_trace_step step;
 	const gw_buffer *carried; /* NULL, or a guess at the facets' reflected irradiance, with which
 								 bounces that follow the tolerance begin. For trace steps that bear

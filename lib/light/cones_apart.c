@@ -37,7 +37,7 @@ static gw_status mark_records(const gw_record_context *on, gw_cone_gather *gathe
 static gw_status mark_facets(const gw_record_context *on, gw_cone_gather *gather, gw_error *error)
 {
 	const uint32_t *label = gw_compartments_of_facets(on->octree);
-	size_t count = 2 * (size_t)on->octree->leaf_count;
+	size_t count = on->octree->facet_count;
 	uint32_t *mark = gw_allocate_array(count, sizeof *mark);
 	if (!mark)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for marks of %zu facets", count);

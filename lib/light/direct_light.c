@@ -309,7 +309,8 @@ static gw_status trace_visibility(const gw_lit_cloud *cloud, const light_on_devi
 									GW_DISC_BINDINGS(cloud->octree),
 									GW_TREE_BINDING(cloud->octree),
 									gw_whole(&lamp->distribution),
-									GW_OPACITY_BINDING(cloud->octree) };
+									GW_OPACITY_BINDING(cloud->octree),
+									GW_LEAF_BINDING(cloud->octree) };
 	return gw_passes_run(cloud->passes, GW_PASS_LIGHT_VISIBILITY, bindings, &lamp->push,
 						 cloud->surfels->count, error);
 }
@@ -400,10 +401,12 @@ gw_status gw_average_facets(gw_passes *passes, const gw_octree *octree, const gw
 {
 	const gw_binding bindings[] = { gw_whole(&octree->leaf_fragment),
 									gw_whole(&octree->fragment_surfel),
-									gw_whole(&octree->fragment_weight), gw_whole(surfels),
-									gw_window(facets, 16) };
+									gw_whole(&octree->fragment_weight),
+									gw_whole(surfels),
+									gw_window(facets, 16),
+									GW_LEAF_BINDING(octree) };
 	return gw_passes_run(passes, GW_PASS_FACET_DIRECT, bindings, &(gw_record_push){ 0 },
-						 2 * (uint64_t)octree->leaf_count, error);
+						 octree->facet_count, error);
 }
 
 /* Normals at which light comes in; turned is NULL, or those that are off. */

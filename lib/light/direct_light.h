@@ -25,7 +25,7 @@ gw_way gw_light_way(const gw_light_push *light, const gw_octree *octree, const g
 /* Where the light of lamps goes. */
 typedef struct gw_direct_irradiance {
 	gw_buffer *surfels; /* texel buffer R32G32B32A32_SFLOAT, surfel count, zeroed by the caller */
-	gw_buffer *facets;  /* storage buffer, 2 * leaf_count vec4; receives the mean over each facet;
+	gw_buffer *facets;  /* storage buffer, facet_count vec4; receives the mean over each facet;
 						   none where there are no leaves */
 	gw_light_given *given; /* NULL, or light_count: what gw_given_book says of each lamp */
 	gw_buffer *turned; /* NULL, or like surfels: receives what it would be if each normal were off
@@ -46,7 +46,7 @@ gw_status gw_light_share(const gw_lit_cloud *cloud, const gw_light *light, float
 /*
  * Area-weighted means over the facets.
  *   surfels   texel buffer R32G32B32A32_SFLOAT, surfel count
- *   facets     2 * leaf_count vec4, receives them; w is 0
+ *   facets     facet_count vec4, receives them; w is 0
  */
 gw_status gw_average_facets(gw_passes *passes, const gw_octree *octree, const gw_buffer *surfels,
 							gw_buffer *facets, gw_error *error);

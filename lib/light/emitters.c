@@ -26,12 +26,12 @@ typedef struct table_room {
 } table_room;
 
 /* Facets that emit, and their power. */
-static uint32_t list_emitters(const float *radiance, const float *centre, size_t slots,
+static uint32_t list_emitters(const float *radiance, const float *centre, size_t facets,
 							  const table_room *room, double *total)
 {
 	uint32_t n = 0;
 	*total = 0.0;
-	for (size_t i = 0; i < slots; i++) {
+	for (size_t i = 0; i < facets; i++) {
 		double power = gw_luminance(&radiance[4 * i]) * (double)centre[4 * i + 3];
 		if (!(power > 0.0))
 			continue;
@@ -89,7 +89,7 @@ static gw_status upload_table(gw_gpu *gpu, const gw_octree *octree, const float 
 	gw_status status = make_room(gpu, emitters, &room, error);
 	if (status == GW_OK) {
 		double total;
-		uint32_t n = list_emitters(radiance, centre, 2 * (size_t)octree->leaf_count, &room, &total);
+		uint32_t n = list_emitters(radiance, centre, octree->facet_count, &room, &total);
 		emitters->power = (float)total;
 		mark_rows(octree, n, room.rows);
 		status = make_table(gpu, &room, n, emitters, error);
@@ -101,11 +101,11 @@ static gw_status upload_table(gw_gpu *gpu, const gw_octree *octree, const float 
 	return status;
 }
 
-static void count_emitters(const float *radiance, const float *centre, size_t slots,
+static void count_emitters(const float *radiance, const float *centre, size_t facets,
 						   gw_emitters *emitters)
 {
 	double emitting = 0.0, whole = 0.0, power = 0.0, square = 0.0;
-	for (size_t i = 0; i < slots; i++) {
+	for (size_t i = 0; i < facets; i++) {
 		double l = gw_luminance(&radiance[4 * i]), area = (double)centre[4 * i + 3];
 		whole += area;
 		if (!(l * area > 0.0))
@@ -123,15 +123,15 @@ gw_status gw_emitters_make(gw_gpu *gpu, const gw_octree *octree, const gw_buffer
 						   bool always, gw_emitters *emitters, gw_error *error)
 {
 	*emitters = (gw_emitters){ .radiance = radiance };
-	size_t slots = 2 * (size_t)octree->leaf_count;
-	if (radiance->bytes < 16 * slots)
+	size_t facets = octree->facet_count;
+	if (radiance->bytes < 16 * facets)
 		return GW_OK;
 	gw_view values = { 0 }, centre = { 0 };
-	gw_status status = gw_view_open(gpu, radiance, 16 * slots, &values, error);
+	gw_status status = gw_view_open(gpu, radiance, 16 * facets, &values, error);
 	if (status == GW_OK)
-		status = gw_view_open(gpu, &octree->facet_centre, 16 * slots, &centre, error);
+		status = gw_view_open(gpu, &octree->facet_centre, 16 * facets, &centre, error);
 	if (status == GW_OK)
-		count_emitters(values.bytes, centre.bytes, slots, emitters);
+		count_emitters(values.bytes, centre.bytes, facets, emitters);
 	if (status == GW_OK && emitters->count > 0 && (always || gw_emitters_are_small(emitters)))
 		status = upload_table(gpu, octree, values.bytes, centre.bytes, emitters, error);
 	gw_view_close(&values);

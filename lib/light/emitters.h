@@ -19,7 +19,7 @@ typedef struct gw_emitters {
 } gw_emitters;
 
 /* Lists the facets of an octree that send out light; count is 0 and the table empty when none does.
- *   radiance   texel buffer, vec4 a facet slot; smaller than that: nothing emits
+ *   radiance   texel buffer, vec4 a facet; smaller than that: nothing emits
  *   always     whether the table is made even when they are not small, as below */
 gw_status gw_emitters_make(gw_gpu *gpu, const gw_octree *octree, const gw_buffer *radiance,
 						   bool always, gw_emitters *emitters, gw_error *error);

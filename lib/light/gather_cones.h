@@ -36,7 +36,7 @@ void gw_cone_gather_forget_marks(gw_gpu *gpu, gw_cone_gather *gather);
 
 /* What the facets send out. */
 typedef struct gw_facet_radiance {
-	const gw_buffer *facets; /* texel buffer, 2 * leaf_count vec4 */
+	const gw_buffer *facets; /* texel buffer, facet_count vec4 */
 	float largest; /* largest component in it: radiance is scaled so that half floats hold it */
 	bool apart;    /* only records with the mark gather, from facets that face it or any */
 	uint32_t mark; /* then; the gather has the marks */

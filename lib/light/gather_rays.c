@@ -44,7 +44,8 @@ gw_status gw_ray_gather_trace(const gw_record_context *on, uint32_t rays, uint32
 			GW_TRACE_BINDINGS(on->octree),   gw_whole(&on->records->position),
 			gw_whole(&on->records->normal),  gw_window(&gather->facet, 4),
 			gw_window(&gather->distance, 4), GW_DISC_BINDINGS(on->octree),
-			GW_TREE_BINDING(on->octree),     GW_OPACITY_BINDING(on->octree)
+			GW_TREE_BINDING(on->octree),     GW_OPACITY_BINDING(on->octree),
+			GW_LEAF_BINDING(on->octree)
 		};
 		gw_record_push push = { .rays = rays, .seed = seed };
 		status = gw_passes_run(on->passes, GW_PASS_RECORD_RAYS, bindings, &push, count, error);
@@ -130,7 +131,8 @@ gw_status gw_ray_gather_open(const gw_record_context *on, const gw_portals *port
 			GW_TRACE_BINDINGS(on->octree),  gw_whole(&on->records->position),
 			gw_whole(&on->records->normal), gw_whole(&portals->sphere),
 			gw_window(&gather->through, 4), GW_DISC_BINDINGS(on->octree),
-			GW_TREE_BINDING(on->octree),    GW_OPACITY_BINDING(on->octree)
+			GW_TREE_BINDING(on->octree),    GW_OPACITY_BINDING(on->octree),
+			GW_LEAF_BINDING(on->octree)
 		};
 		gw_record_push push = { .seed = gather->seed, .portals = portals->count };
 		status = gw_passes_run(on->passes, GW_PASS_RECORD_PORTALS, bindings, &push,
@@ -179,7 +181,8 @@ static gw_status sample_emitters(const gathering *g, gw_record_push push, gw_err
 									GW_DISC_BINDINGS(g->on->octree),
 									GW_TREE_BINDING(g->on->octree),
 									GW_OPACITY_BINDING(g->on->octree),
-									moment_of(g) };
+									moment_of(g),
+									GW_LEAF_BINDING(g->on->octree) };
 	push.batch_count = push.light_samples;
 	return gw_passes_run(g->on->passes, GW_PASS_RECORD_EMITTERS, bindings, &push,
 						 g->on->records->count, error);
@@ -206,7 +209,8 @@ static gw_status sample_sky(const gathering *g, gw_record_push push, gw_error *e
 									gw_whole(spheres_of(g->sources)),
 									GW_TREE_BINDING(g->on->octree),
 									GW_OPACITY_BINDING(g->on->octree),
-									moment_of(g) };
+									moment_of(g),
+									GW_LEAF_BINDING(g->on->octree) };
 	push.batch_count = push.sky_samples;
 	return gw_passes_run(g->on->passes, GW_PASS_RECORD_SKY, bindings, &push, g->on->records->count,
 						 error);
@@ -223,7 +227,8 @@ static gw_status add_opened(const gathering *g, gw_record_push push, gw_error *e
 									gw_window(&g->on->records->position, 16),
 									gw_window(&g->on->records->normal, 16),
 									gw_window(&g->sampled, 16),
-									moment_of(g) };
+									moment_of(g),
+									GW_LEAF_BINDING(g->on->octree) };
 	push.seed = g->gather->seed;
 	push.batch_count = push.rays;
 	return gw_passes_run(g->on->passes, GW_PASS_PORTAL_LIGHT, bindings, &push,
@@ -286,7 +291,8 @@ static gw_status gather_hits(const gathering *g, gw_record_push push, gw_buffer 
 									gw_whole(g->sources->part ? g->sources->part : radiance),
 									gw_whole(push.sky_width > 0 ? &g->sources->map->texel
 																: radiance),
-									moment_of(g) };
+									moment_of(g),
+									GW_LEAF_BINDING(g->on->octree) };
 	return gw_passes_run(g->on->passes, GW_PASS_RECORD_FIRST, bindings, &push,
 						 g->on->records->count, error);
 }

@@ -11,26 +11,26 @@
 
 #define CHUNK 4096u /* facets that a thread takes at a time */
 
-/* The slots that rays hit, in ascending order. */
-static gw_status find_slots(const gw_octree *octree, const gw_records *records,
-							const gw_ray_gather *gather, gw_hit_facets *hits, gw_error *error)
+/* The facets that rays hit, in ascending order. */
+static gw_status find_facets(const gw_octree *octree, const gw_records *records,
+							 const gw_ray_gather *gather, gw_hit_facets *hits, gw_error *error)
 {
-	size_t slots = 2 * (size_t)octree->leaf_count;
+	size_t facets = octree->facet_count;
 	size_t rays = (size_t)gather->rays * records->count;
 	const uint32_t *facet = gather->facet.mapped;
-	bool *is_hit = gw_allocate_zeros(slots, sizeof *is_hit);
+	bool *is_hit = gw_allocate_zeros(facets, sizeof *is_hit);
 	for (size_t i = 0; i < rays && is_hit; i++)
 		if (facet[i] != GW_NONE && !is_hit[facet[i]]) {
 			is_hit[facet[i]] = true;
 			hits->count++;
 		}
-	hits->slot = gw_allocate_array(hits->count, sizeof *hits->slot);
-	bool complete = is_hit && hits->slot;
-	for (size_t i = 0, n = 0; i < slots && complete; i++)
+	hits->facet = gw_allocate_array(hits->count, sizeof *hits->facet);
+	bool complete = is_hit && hits->facet;
+	for (size_t i = 0, n = 0; i < facets && complete; i++)
 		if (is_hit[i])
-			hits->slot[n++] = (uint32_t)i;
+			hits->facet[n++] = (uint32_t)i;
 	free(is_hit);
-	return complete ? GW_OK : gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu facets", slots);
+	return complete ? GW_OK : gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu facets", facets);
 }
 
 gw_status gw_hit_facets_find(gw_passes *passes, const gw_octree *octree, const gw_records *records,
@@ -40,7 +40,7 @@ gw_status gw_hit_facets_find(gw_passes *passes, const gw_octree *octree, const g
 	gw_gpu_settle(passes->gpu); /* the facets are read where they lie */
 	if (gw_gpu_stopped(passes->gpu))
 		return gw_fail(error, GW_ERROR_CANCELLED, "stopped before the bounces");
-	gw_status status = find_slots(octree, records, gather, hits, error);
+	gw_status status = find_facets(octree, records, gather, hits, error);
 	if (status != GW_OK)
 		gw_hit_facets_clear(hits);
 	return status;
@@ -48,7 +48,7 @@ gw_status gw_hit_facets_find(gw_passes *passes, const gw_octree *octree, const g
 
 void gw_hit_facets_clear(gw_hit_facets *hits)
 {
-	free(hits->slot);
+	free(hits->facet);
 	*hits = (gw_hit_facets){ 0 };
 }
 
@@ -64,7 +64,7 @@ void gw_hit_facets_shade(gw_passes *passes, const gw_octree *octree, const gw_re
 	const gw_kernel_run run = { .kernel = gw_kernel_facet_shade,
 								.bindings = bindings,
 								.push = &(gw_record_push){ 0 },
-								.element = hits->slot };
+								.element = hits->facet };
 	gw_gpu_settle(passes->gpu);
 	gw_kernel_loop(passes, GW_PASS_FACET_SHADE, run, hits->count, CHUNK);
 }

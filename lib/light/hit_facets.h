@@ -10,7 +10,7 @@
 #include "light/gather_rays.h"
 
 typedef struct gw_hit_facets {
-	uint32_t *slot; /* count, ascending: slots that rays hit */
+	uint32_t *facet; /* count, ascending: facets that rays hit */
 	size_t count;
 } gw_hit_facets;
 

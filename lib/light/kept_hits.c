@@ -42,20 +42,27 @@ static gw_status fetch_places(gw_gpu *gpu, const gw_records *records, float **pl
 	return status;
 }
 
-/* Morton keys of the leaves, ascending, for free(). */
-static gw_status fetch_leaves(gw_gpu *gpu, const gw_octree *octree, uint64_t **key, gw_error *error)
+/* Of each facet but the empty one twice the Morton key of its leaf, plus 1 for a second one:
+ * ascending, for free(). */
+static gw_status fetch_facets(gw_gpu *gpu, const gw_octree *octree, uint64_t **key, gw_error *error)
 {
-	size_t n = octree->leaf_count;
-	uint32_t *cell = gw_allocate_array(n, 4 * sizeof *cell);
+	size_t n = octree->facet_count - 1;
+	gw_view cell = { 0 }, leaf = { 0 };
 	*key = gw_allocate_array(n, sizeof **key);
-	gw_status status = GW_OK;
-	if (!cell || !*key)
-		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu leaves", n);
+	gw_status status =
+		*key ? GW_OK : gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu facets", n);
 	if (status == GW_OK)
-		status = gw_buffer_download(gpu, writable(&octree->leaf_cell), 0, cell, 16 * n, error);
-	for (size_t i = 0; i < n && status == GW_OK; i++)
-		(*key)[i] = gw_morton_encode(cell[4 * i], cell[4 * i + 1], cell[4 * i + 2]);
-	free(cell);
+		status =
+			gw_view_open(gpu, &octree->leaf_cell, 16 * (uint64_t)octree->leaf_count, &cell, error);
+	if (status == GW_OK)
+		status = gw_view_open(gpu, &octree->facet_leaf, 4 * (uint64_t)n, &leaf, error);
+	for (size_t i = 0; i < n && status == GW_OK; i++) {
+		uint32_t word = ((const uint32_t *)leaf.bytes)[i];
+		const uint32_t *at = (const uint32_t *)cell.bytes + 4 * gw_facet_leaf(word);
+		(*key)[i] = 2 * gw_morton_encode(at[0], at[1], at[2]) + gw_facet_is_second(word);
+	}
+	gw_view_close(&leaf);
+	gw_view_close(&cell);
 	if (status != GW_OK) {
 		free(*key);
 		*key = NULL;
@@ -105,7 +112,7 @@ static gw_status take(gw_gpu *gpu, const gw_octree *octree, const gw_records *re
 					  gw_kept_hits *kept, gw_error *error)
 {
 	GW_TRY(fetch_places(gpu, records, &kept->place, error));
-	GW_TRY(fetch_leaves(gpu, octree, &kept->leaf_key, error));
+	GW_TRY(fetch_facets(gpu, octree, &kept->facet_key, error));
 	if (!list_records(kept))
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %u records", records->count);
 	return GW_OK;
@@ -114,7 +121,7 @@ static gw_status take(gw_gpu *gpu, const gw_octree *octree, const gw_records *re
 gw_status gw_kept_hits_take(gw_gpu *gpu, const gw_octree *octree, const gw_records *records,
 							gw_ray_gather *rays, gw_kept_hits *kept, gw_error *error)
 {
-	*kept = (gw_kept_hits){ .record_count = records->count, .leaf_count = octree->leaf_count };
+	*kept = (gw_kept_hits){ .record_count = records->count, .facet_count = octree->facet_count };
 	gw_status status = take(gpu, octree, records, kept, error);
 	if (status != GW_OK) {
 		gw_kept_hits_destroy(gpu, kept);
@@ -130,7 +137,7 @@ void gw_kept_hits_destroy(gw_gpu *gpu, gw_kept_hits *kept)
 	gw_ray_gather_destroy(gpu, &kept->rays);
 	free(kept->place);
 	free(kept->bucket);
-	free(kept->leaf_key);
+	free(kept->facet_key);
 	*kept = (gw_kept_hits){ 0 };
 }
 
@@ -138,7 +145,7 @@ void gw_kept_hits_destroy(gw_gpu *gpu, gw_kept_hits *kept)
 
 /* What goes to the device for one frame. */
 typedef struct keep_tables {
-	gw_buffer known_record, leaf_now, box, list;
+	gw_buffer known_record, facet_now, box, list;
 	uint32_t box_count;
 } keep_tables;
 
@@ -170,28 +177,39 @@ static gw_status match_records(gw_gpu *gpu, const gw_records *records, const gw_
 	return status;
 }
 
-/* All old leaves are among the new ones; both are in ascending order. */
-static gw_status match_leaves(gw_gpu *gpu, const gw_octree *octree, const gw_kept_hits *kept,
+/* What facets are now, of which both orders are ascending. All old leaves are among the new ones,
+ * but a second facet may be gone where something moved in: then it is the empty one, and rays that
+ * met it are traced again. False where a leaf is gone. */
+static bool match_keys(const gw_kept_hits *kept, const uint64_t *key, uint32_t count, uint32_t *now)
+{
+	uint32_t at = 0;
+	for (uint32_t i = 0; i + 1 < kept->facet_count; i++) {
+		while (at + 2 < count && key[at] < kept->facet_key[i])
+			at++;
+		now[i] = key[at] == kept->facet_key[i] ? at : count - 1;
+		if (key[at] != kept->facet_key[i] && kept->facet_key[i] % 2 == 0)
+			return false;
+	}
+	now[kept->facet_count - 1] = count - 1;
+	return true;
+}
+
+static gw_status match_facets(gw_gpu *gpu, const gw_octree *octree, const gw_kept_hits *kept,
 							  keep_tables *tables, gw_error *error)
 {
 	uint64_t *key = NULL;
-	uint32_t *now = gw_allocate_array(kept->leaf_count, sizeof *now), at = 0;
+	uint32_t *now = gw_allocate_array(kept->facet_count, sizeof *now);
 	gw_status status =
-		now ? fetch_leaves(gpu, octree, &key, error)
-			: gw_fail(error, GW_ERROR_MEMORY, "no memory for %u leaves", kept->leaf_count);
-	for (uint32_t i = 0; i < kept->leaf_count && status == GW_OK; i++) {
-		while (at < octree->leaf_count && key[at] < kept->leaf_key[i])
-			at++;
-		if (at == octree->leaf_count || key[at] != kept->leaf_key[i])
-			status = gw_fail(error, GW_ERROR_INTERNAL, "a leaf that stood still is gone");
-		now[i] = at;
-	}
+		now ? fetch_facets(gpu, octree, &key, error)
+			: gw_fail(error, GW_ERROR_MEMORY, "no memory for %u facets", kept->facet_count);
+	if (status == GW_OK && !match_keys(kept, key, octree->facet_count, now))
+		status = gw_fail(error, GW_ERROR_INTERNAL, "a leaf that stood still is gone");
 	if (status == GW_OK)
 		status = upload(gpu,
 						&(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT,
-												  4 * (uint64_t)kept->leaf_count,
-												  "leaves as they are now" },
-						now, &tables->leaf_now, error);
+												  4 * (uint64_t)kept->facet_count,
+												  "facets as they are now" },
+						now, &tables->facet_now, error);
 	free(key);
 	free(now);
 	return status;
@@ -202,7 +220,7 @@ static gw_status keep(const gw_record_context *on, const gw_kept_hits *kept,
 {
 	const gw_binding bindings[] = {
 		gw_whole(&kept->rays.facet),      gw_whole(&kept->rays.distance),
-		gw_whole(&tables->known_record),  gw_whole(&tables->leaf_now),
+		gw_whole(&tables->known_record),  gw_whole(&tables->facet_now),
 		gw_whole(&on->records->position), gw_whole(&on->records->normal),
 		gw_whole(&tables->box),           gw_window(&gather->facet, 4),
 		gw_window(&gather->distance, 4),  gw_whole(&tables->list)
@@ -223,7 +241,7 @@ static gw_status trace_listed(const gw_record_context *on, const keep_tables *ta
 		gw_whole(&on->records->normal), gw_whole(&tables->list),
 		gw_whole(&gather->facet),       gw_whole(&gather->distance),
 		GW_DISC_BINDINGS(on->octree),   GW_TREE_BINDING(on->octree),
-		GW_OPACITY_BINDING(on->octree)
+		GW_OPACITY_BINDING(on->octree), GW_LEAF_BINDING(on->octree)
 	};
 	gw_keep_push push = { .rays = gather->rays, .seed = gather->seed };
 	return gw_passes_run(on->passes, GW_PASS_RECORD_AGAIN, bindings, &push, listed, error);
@@ -235,7 +253,7 @@ static gw_status make_tables(const gw_record_context *on, const gw_kept_hits *ke
 	tables->box_count = boxes.count;
 	uint64_t rays = (uint64_t)kept->rays.rays * on->records->count;
 	GW_TRY(match_records(on->passes->gpu, on->records, kept, tables, error));
-	GW_TRY(match_leaves(on->passes->gpu, on->octree, kept, tables, error));
+	GW_TRY(match_facets(on->passes->gpu, on->octree, kept, tables, error));
 	GW_TRY(upload(on->passes->gpu,
 				  &(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
 											sizeof *boxes.box * (uint64_t)boxes.count,
@@ -258,7 +276,7 @@ static gw_status trace_again(const gw_record_context *on, const gw_kept_hits *ke
 	if (status == GW_OK)
 		status = trace_listed(on, &tables, gather, traced, error);
 	gw_buffer_destroy(on->passes->gpu, &tables.known_record);
-	gw_buffer_destroy(on->passes->gpu, &tables.leaf_now);
+	gw_buffer_destroy(on->passes->gpu, &tables.facet_now);
 	gw_buffer_destroy(on->passes->gpu, &tables.box);
 	gw_buffer_destroy(on->passes->gpu, &tables.list);
 	return status;
@@ -269,8 +287,8 @@ gw_status gw_kept_hits_trace(const gw_record_context *on, const gw_kept_hits *ke
 							 gw_error *error)
 {
 	uint64_t rays = (uint64_t)kept->rays.rays * on->records->count;
-	/* Lists that are too long to be bound as a whole; and the slot of dark backs may be another. */
-	if (on->octree->dark_slot != 0 ||
+	/* Lists that are too long to be bound as a whole; and backs that are dark. */
+	if (on->octree->dark_facet != 0 ||
 		4 * (rays + 1) > gw_gpu_limits(on->passes->gpu)->maxStorageBufferRange) {
 		*traced = rays;
 		return gw_ray_gather_trace(on, kept->rays.rays, kept->rays.seed, gather, error);

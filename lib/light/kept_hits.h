@@ -11,11 +11,11 @@
 typedef struct gw_kept_hits {
 	gw_ray_gather rays;
 	uint32_t record_count;
-	float *place;       /* 6 * record_count: position and normal */
-	uint32_t *bucket;   /* hash table over them: record plus one */
-	uint32_t mask;      /* of it */
-	uint64_t *leaf_key; /* leaf_count: Morton keys of the leaves */
-	uint32_t leaf_count;
+	float *place;        /* 6 * record_count: position and normal */
+	uint32_t *bucket;    /* hash table over them: record plus one */
+	uint32_t mask;       /* of it */
+	uint64_t *facet_key; /* facet_count - 1: see kept_hits.c; without that of the empty one */
+	uint32_t facet_count;
 } gw_kept_hits;
 
 /* A part of the octree in which something may have changed, grid coordinates. */

@@ -16,9 +16,9 @@ static uint32_t parts_of(uint32_t elements)
 
 gw_status gw_light_sums_create(const gw_record_context *on, gw_light_sums *sums, gw_error *error)
 {
-	uint32_t slots = 2 * on->octree->leaf_count, records = on->records->count;
+	uint32_t facets = on->octree->facet_count, records = on->records->count;
 	uint64_t parts = SUMS;
-	for (uint32_t n = parts_of(slots > records ? slots : records); n > 1; n = parts_of(n))
+	for (uint32_t n = parts_of(facets > records ? facets : records); n > 1; n = parts_of(n))
 		parts += n;
 	return gw_buffer_create(on->passes->gpu,
 							&(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
@@ -56,7 +56,7 @@ gw_status gw_light_sums_facets(const gw_record_context *on, gw_light_sums *sums,
 {
 	const gw_binding bindings[] = { gw_whole(facet_radiance), gw_whole(&on->octree->facet_centre),
 									gw_whole(&on->octree->facet_albedo), gw_whole(&sums->part) };
-	return add_up(on->passes, bindings, GW_SUM_FACETS, 2 * on->octree->leaf_count, error);
+	return add_up(on->passes, bindings, GW_SUM_FACETS, on->octree->facet_count, error);
 }
 
 gw_status gw_light_sums_records(const gw_record_context *on, gw_light_sums *sums,

@@ -26,7 +26,7 @@ typedef struct gw_light_sums {
 gw_status gw_light_sums_create(const gw_record_context *on, gw_light_sums *sums, gw_error *error);
 void gw_light_sums_destroy(gw_gpu *gpu, gw_light_sums *sums); /* none are accepted */
 
-/* Adds up what all facets send out: texels R32G32B32A32_SFLOAT, 2 * leaf_count. Its amounts are
+/* Adds up what all facets send out: texels R32G32B32A32_SFLOAT, facet_count. Its amounts are
  * those of the luminance, its largest component not. */
 gw_status gw_light_sums_facets(const gw_record_context *on, gw_light_sums *sums,
 							   const gw_buffer *facet_radiance, gw_error *error);

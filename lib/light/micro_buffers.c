@@ -340,7 +340,7 @@ static gw_status draw_buffers(const gw_record_context *on, gw_micro_buffers *buf
 				  .side = side,
 				  .rays = buffers->hits.rays,
 				  .seed = buffers->hits.seed,
-				  .dark = on->octree->dark_slot > 0 ? on->octree->dark_slot - 1 : GW_NONE,
+				  .dark = on->octree->dark_facet > 0 ? on->octree->dark_facet - 1 : GW_NONE,
 				  .texel_angle = 8.0f / (float)(side * side),
 				  .hit = gw_allocate_array(hits, sizeof *d.hit),
 				  .distance = gw_allocate_array(hits, sizeof *d.distance) };
@@ -390,7 +390,7 @@ void gw_micro_buffers_destroy(gw_gpu *gpu, gw_micro_buffers *buffers)
 /* The compartment that all of a node's surface faces; unknown where it faces several. */
 static void label_nodes(const gw_surface_tree *tree, uint32_t *label)
 {
-	for (uint32_t i = tree->slots; i < tree->count; i++) {
+	for (uint32_t i = tree->facets; i < tree->count; i++) {
 		const gw_surface_piece *node = &tree->piece[i];
 		bool any = false, several = false;
 		label[i] = GW_COMPARTMENT_UNKNOWN;
@@ -413,7 +413,7 @@ static gw_status shut_out(const gw_record_context *on, const uint32_t *records, 
 	const gw_labelled_rays from = { records, on->records->count, buffers->hits.rays, pieces };
 	if (!pieces)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %u compartments", tree->count);
-	memcpy(pieces, gw_compartments_of_facets(on->octree), tree->slots * sizeof *pieces);
+	memcpy(pieces, gw_compartments_of_facets(on->octree), tree->facets * sizeof *pieces);
 	label_nodes(tree, pieces);
 	return gw_shut_out_hits_of(on, &from, &buffers->hits.facet, error);
 }
@@ -442,7 +442,8 @@ static gw_status pull(const gw_record_context *on, gw_micro_buffers *buffers,
 {
 	gw_gpu *gpu = on->passes->gpu;
 	const gw_surface_tree *tree = &buffers->tree;
-	GW_TRY(gw_buffer_download(gpu, facet_radiance, 0, radiance, 16 * (uint64_t)tree->slots, error));
+	GW_TRY(
+		gw_buffer_download(gpu, facet_radiance, 0, radiance, 16 * (uint64_t)tree->facets, error));
 	gw_surface_tree_pull(tree, on->passes->threads, radiance);
 	return gw_buffer_upload(gpu, &buffers->radiance, 0, radiance, 16 * (uint64_t)tree->count,
 							error);

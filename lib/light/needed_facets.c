@@ -49,12 +49,13 @@ static size_t number_nodes(const uint32_t *cell, size_t leaves, uint32_t levels,
 static gw_status fill(gw_gpu *gpu, const gw_octree *octree, gw_needed_facets *n, gw_error *error)
 {
 	gw_view cell = { 0 };
-	uint64_t bytes = 32 * (uint64_t)n->leaves;
-	GW_TRY(gw_view_open(gpu, &octree->leaf_cell, 16 * (uint64_t)n->leaves, &cell, error));
-	n->nodes = number_nodes(cell.bytes, n->leaves, levels_of(GW_NEEDED_NODE), n->node, NULL);
+	uint64_t leaves = octree->leaf_count, bytes = 16 * (uint64_t)n->facets;
+	GW_TRY(gw_view_open(gpu, &octree->leaf_cell, 16 * leaves, &cell, error));
+	n->nodes = number_nodes(cell.bytes, leaves, levels_of(GW_NEEDED_NODE), n->node, NULL);
 	gw_view_close(&cell);
-	for (size_t i = 0; i < 2 * n->leaves; i++)
+	for (size_t i = 0; i < n->facets; i++)
 		n->spacing[i] = INFINITY;
+	GW_TRY(gw_buffer_download(gpu, &octree->facet_leaf, 0, n->leaf, bytes / 4, error));
 	GW_TRY(gw_buffer_download(gpu, &octree->facet_centre, 0, n->centre, bytes, error));
 	return gw_buffer_download(gpu, &octree->facet_plane, 0, n->plane, bytes, error);
 }
@@ -62,15 +63,17 @@ static gw_status fill(gw_gpu *gpu, const gw_octree *octree, gw_needed_facets *n,
 gw_status gw_needed_facets_make(gw_gpu *gpu, const gw_octree *octree, gw_needed_facets *needed,
 								gw_error *error)
 {
-	size_t leaves = octree->leaf_count;
-	*needed = (gw_needed_facets){ .leaves = leaves,
-								  .centre = gw_allocate_array(leaves, 8 * sizeof(float)),
-								  .plane = gw_allocate_array(leaves, 8 * sizeof(float)),
-								  .node = gw_allocate_array(leaves, sizeof(uint32_t)),
-								  .spacing = gw_allocate_array(leaves, 2 * sizeof(float)) };
-	gw_status status = needed->centre && needed->plane && needed->node && needed->spacing
-						   ? fill(gpu, octree, needed, error)
-						   : gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu leaves", leaves);
+	size_t facets = octree->facet_count;
+	*needed = (gw_needed_facets){ .facets = facets,
+								  .centre = gw_allocate_array(facets, 4 * sizeof(float)),
+								  .plane = gw_allocate_array(facets, 4 * sizeof(float)),
+								  .leaf = gw_allocate_array(facets, sizeof(uint32_t)),
+								  .node = gw_allocate_array(octree->leaf_count, sizeof(uint32_t)),
+								  .spacing = gw_allocate_array(facets, sizeof(float)) };
+	gw_status status =
+		needed->centre && needed->plane && needed->leaf && needed->node && needed->spacing
+			? fill(gpu, octree, needed, error)
+			: gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu facets", facets);
 	if (status != GW_OK)
 		gw_needed_facets_clear(needed);
 	return status;
@@ -80,14 +83,15 @@ void gw_needed_facets_clear(gw_needed_facets *needed)
 {
 	free(needed->centre);
 	free(needed->plane);
+	free(needed->leaf);
 	free(needed->node);
 	free(needed->spacing);
 	*needed = (gw_needed_facets){ 0 };
 }
 
-static bool has_surface(const gw_needed_facets *n, size_t slot)
+static bool has_surface(const gw_needed_facets *n, size_t facet)
 {
-	return n->centre[4 * slot + 3] > 0.0f;
+	return n->centre[4 * facet + 3] > 0.0f;
 }
 
 /* --------------------------------------------------------------------------------------- around */
@@ -177,9 +181,9 @@ gw_status gw_needed_facets_around(gw_gpu *gpu, const gw_octree *octree, const bo
 	for (size_t i = 0; i < b.count && status == GW_OK; i++)
 		if (b.chosen[i])
 			mark_around(&b, i);
-	for (size_t slot = 0; slot < 2 * needed->leaves && status == GW_OK; slot++)
-		if (b.near[b.of_leaf[slot / 2]] && has_surface(needed, slot))
-			needed->spacing[slot] = fminf(needed->spacing[slot], how->spacing);
+	for (size_t i = 0; i < needed->facets && status == GW_OK; i++)
+		if (b.near[b.of_leaf[gw_facet_leaf(needed->leaf[i])]] && has_surface(needed, i))
+			needed->spacing[i] = fminf(needed->spacing[i], how->spacing);
 	free(b.key);
 	free(b.of_leaf);
 	free(b.chosen);
@@ -198,19 +202,19 @@ gw_status gw_needed_facets_hit(const uint32_t *hit, size_t hits, float spacing,
 	for (size_t i = 0; i < hits; i++) {
 		if (hit[i] == GW_NONE)
 			continue;
-		float *sum = facing + 3 * (size_t)needed->node[hit[i] / 2];
+		float *sum = facing + 3 * (size_t)needed->node[gw_facet_leaf(needed->leaf[hit[i]])];
 		for (size_t k = 0; k < 3; k++)
 			sum[k] += needed->plane[4 * (size_t)hit[i] + k];
 	}
-	for (size_t slot = 0; slot < 2 * needed->leaves; slot++) {
-		const float *sum = facing + 3 * (size_t)needed->node[slot / 2];
-		const float *own = needed->plane + 4 * slot;
+	for (size_t facet = 0; facet < needed->facets; facet++) {
+		const float *sum = facing + 3 * (size_t)needed->node[gw_facet_leaf(needed->leaf[facet])];
+		const float *own = needed->plane + 4 * facet;
 		float length = sqrtf(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]);
 		float along = sum[0] * own[0] + sum[1] * own[1] + sum[2] * own[2];
-		if (!(length > 0.0f) || needed->spacing[slot] < INFINITY || !has_surface(needed, slot) ||
+		if (!(length > 0.0f) || needed->spacing[facet] < INFINITY || !has_surface(needed, facet) ||
 			along < FACES_LEAST * length)
 			continue;
-		needed->spacing[slot] = spacing;
+		needed->spacing[facet] = spacing;
 		++*more;
 	}
 	free(facing);
@@ -225,20 +229,21 @@ typedef struct fragments {
 } fragments;
 
 static void take_largest(const fragments *from, const gw_needed_facets *needed, float *largest,
-						 uint32_t *slot)
+						 uint32_t *facet)
 {
 	const uint32_t *first = from->first.bytes, *word = from->surfel.bytes;
 	const float *weight = from->weight.bytes;
-	for (size_t leaf = 0; leaf < needed->leaves; leaf++)
+	for (uint32_t i = 0; i < needed->facets; i++) {
+		size_t leaf = gw_facet_leaf(needed->leaf[i]);
 		for (uint32_t f = first[leaf]; f < first[leaf + 1]; f++) {
 			uint32_t own = word[f] & GW_FRAGMENT_SURFEL;
-			size_t facet = 2 * leaf + (word[f] & GW_FRAGMENT_FACET ? 1 : 0);
-			if (word[f] & GW_FRAGMENT_ROI || !(needed->spacing[facet] < INFINITY) ||
+			if (!gw_facet_holds(needed->leaf[i], word[f]) || !(needed->spacing[i] < INFINITY) ||
 				!(weight[f] > largest[own]))
 				continue;
 			largest[own] = weight[f];
-			slot[own] = (uint32_t)facet;
+			facet[own] = i;
 		}
+	}
 }
 
 static gw_status open_fragments(gw_gpu *gpu, const gw_octree *octree, fragments *from,
@@ -258,37 +263,33 @@ static void close_fragments(fragments *from)
 	gw_view_close(&from->first);
 }
 
-/* The area of a leaf's facets that is of the surfels, less all that is not. */
-static void balance(const fragments *from, const bool *known, size_t leaf, float sum[2])
+/* The area of a facet, of that word, that is of the surfels, less all that is not. */
+static float balance(const fragments *from, const bool *known, uint32_t of)
 {
-	const uint32_t *first = from->first.bytes, *word = from->surfel.bytes;
+	const uint32_t *word = from->surfel.bytes;
+	const uint32_t *first = (const uint32_t *)from->first.bytes + gw_facet_leaf(of);
 	const float *weight = from->weight.bytes;
-	sum[0] = sum[1] = 0.0f;
-	for (uint32_t f = first[leaf]; f < first[leaf + 1]; f++) {
-		bool own = known[word[f] & GW_FRAGMENT_SURFEL];
-		if (!(word[f] & GW_FRAGMENT_ROI))
-			sum[(word[f] & GW_FRAGMENT_FACET) != 0] += own ? weight[f] : -weight[f];
-	}
+	float sum = 0.0f;
+	for (uint32_t f = first[0]; f < first[1]; f++)
+		if (gw_facet_holds(of, word[f]))
+			sum += known[word[f] & GW_FRAGMENT_SURFEL] ? weight[f] : -weight[f];
+	return sum;
 }
 
 gw_status gw_needed_facets_leave_out(gw_gpu *gpu, const gw_octree *octree, const bool *known,
 									 gw_needed_facets *needed, gw_error *error)
 {
 	fragments from = { .first = { 0 } };
-	float sum[2];
 	gw_status status = open_fragments(gpu, octree, &from, error);
-	for (size_t leaf = 0; leaf < needed->leaves && status == GW_OK; leaf++) {
-		balance(&from, known, leaf, sum);
-		for (size_t facet = 0; facet < 2; facet++)
-			if (sum[facet] > 0.0f)
-				needed->centre[4 * (2 * leaf + facet) + 3] = 0.0f;
-	}
+	for (size_t i = 0; i < needed->facets && status == GW_OK; i++)
+		if (balance(&from, known, needed->leaf[i]) > 0.0f)
+			needed->centre[4 * i + 3] = 0.0f;
 	close_fragments(&from);
 	return status;
 }
 
 gw_status gw_needed_facets_surfels(gw_gpu *gpu, const gw_octree *octree,
-								   const gw_needed_facets *needed, size_t surfels, uint32_t *slot,
+								   const gw_needed_facets *needed, size_t surfels, uint32_t *facet,
 								   gw_error *error)
 {
 	fragments from = { .first = { 0 } };
@@ -296,10 +297,10 @@ gw_status gw_needed_facets_surfels(gw_gpu *gpu, const gw_octree *octree,
 	if (!largest)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu surfels", surfels);
 	for (size_t i = 0; i < surfels; i++)
-		slot[i] = GW_NONE;
+		facet[i] = GW_NONE;
 	gw_status status = open_fragments(gpu, octree, &from, error);
 	if (status == GW_OK)
-		take_largest(&from, needed, largest, slot);
+		take_largest(&from, needed, largest, facet);
 	close_fragments(&from);
 	free(largest);
 	return status;

@@ -14,11 +14,12 @@
 #include "octree/octree.h"
 
 typedef struct gw_needed_facets {
-	size_t leaves;
-	float *centre, *plane; /* 8 * leaves: as facet_centre and facet_plane of the octree */
-	uint32_t *node;        /* leaves: which node of GW_NEEDED_NODE leaf cells each lies in */
+	size_t facets;
+	float *centre, *plane; /* 4 * facets: as facet_centre and facet_plane of the octree */
+	uint32_t *leaf;        /* facets: as facet_leaf */
+	uint32_t *node;        /* of each leaf: which node of GW_NEEDED_NODE leaf cells each lies in */
 	size_t nodes;
-	float *spacing; /* 2 * leaves: between records, leaf cells; INFINITY: not needed */
+	float *spacing; /* facets: between records, leaf cells; INFINITY: not needed */
 } gw_needed_facets;
 
 /* Leaf cells a side of the nodes that are needed as a whole. */
@@ -45,7 +46,7 @@ gw_status gw_needed_facets_around(gw_gpu *gpu, const gw_octree *octree, const bo
 
 /*
  * Needs what rays hit.
- *   hit      `hits` slots, or GW_NONE
+ *   hit      `hits` facets, or GW_NONE
  *   spacing  between records there, leaf cells
  *   more     receives how many facets were not needed before
  */
@@ -62,11 +63,11 @@ gw_status gw_needed_facets_leave_out(gw_gpu *gpu, const gw_octree *octree, const
 
 /*
  * What of the surfels lies in facets that are needed.
- *   needed   surfels numbers: receives the facet's slot of which each has the most, GW_NONE where
- *            it has none that is needed
+ *   facet   surfels numbers: receives the facet of which each has the most, GW_NONE where it has
+ *           none that is needed
  */
 gw_status gw_needed_facets_surfels(gw_gpu *gpu, const gw_octree *octree,
-								   const gw_needed_facets *needed, size_t surfels, uint32_t *slot,
+								   const gw_needed_facets *needed, size_t surfels, uint32_t *facet,
 								   gw_error *error);
 
 #endif

@@ -12,18 +12,18 @@
 /* Pairs of a viewer and a place that are on the device at a time: 64 MB. */
 #define PAIRS ((size_t)1 << 24)
 
-/* Host copies of what the facets are; 4 floats a slot. */
+/* Host copies of what the facets are; 4 floats a facet. */
 typedef struct facets {
-	size_t slots;
+	size_t count;
 	gw_view centre, plane, albedo;
 } facets;
 
 static gw_status open_facets(gw_gpu *gpu, const gw_octree *octree, facets *f, gw_error *error)
 {
-	f->slots = 2 * (size_t)octree->leaf_count;
-	GW_TRY(gw_view_open(gpu, &octree->facet_centre, 16 * f->slots, &f->centre, error));
-	GW_TRY(gw_view_open(gpu, &octree->facet_plane, 16 * f->slots, &f->plane, error));
-	return gw_view_open(gpu, &octree->facet_albedo, 16 * f->slots, &f->albedo, error);
+	f->count = octree->facet_count;
+	GW_TRY(gw_view_open(gpu, &octree->facet_centre, 16 * f->count, &f->centre, error));
+	GW_TRY(gw_view_open(gpu, &octree->facet_plane, 16 * f->count, &f->plane, error));
+	return gw_view_open(gpu, &octree->facet_albedo, 16 * f->count, &f->albedo, error);
 }
 
 static void close_facets(facets *f)
@@ -33,9 +33,9 @@ static void close_facets(facets *f)
 	gw_view_close(&f->albedo);
 }
 
-static double area_of(const facets *f, size_t slot)
+static double area_of(const facets *f, size_t facet)
 {
-	double area = (double)((const float *)f->centre.bytes)[4 * slot + 3];
+	double area = (double)((const float *)f->centre.bytes)[4 * facet + 3];
 	return area > 0.0 ? area : 0.0;
 }
 
@@ -45,11 +45,11 @@ typedef struct choice {
 	uint32_t count;
 } choice;
 
-static void take(const facets *f, size_t slot, double area, choice *c, float *areas)
+static void take(const facets *f, size_t facet, double area, choice *c, float *areas)
 {
-	const float *centre = (const float *)f->centre.bytes + 4 * slot;
-	const float *plane = (const float *)f->plane.bytes + 4 * slot;
-	bool both = floorf(((const float *)f->albedo.bytes)[4 * slot + 3]) > 0.0f;
+	const float *centre = (const float *)f->centre.bytes + 4 * facet;
+	const float *plane = (const float *)f->plane.bytes + 4 * facet;
+	bool both = floorf(((const float *)f->albedo.bytes)[4 * facet + 3]) > 0.0f;
 	for (size_t k = 0; k < 3; k++) {
 		c->position[4 * (size_t)c->count + k] = centre[k];
 		c->normal[4 * (size_t)c->count + k] = plane[k];
@@ -63,13 +63,13 @@ static void choose(const facets *f, size_t used, uint32_t most, double shift, ch
 				   gw_sight_places *places)
 {
 	double step = places->total / (double)most, next = shift * step, sum = 0.0;
-	for (size_t slot = 0; slot < f->slots; slot++) {
-		double area = area_of(f, slot);
+	for (size_t facet = 0; facet < f->count; facet++) {
+		double area = area_of(f, facet);
 		sum += area;
 		if (used <= most && area > 0.0)
-			take(f, slot, area, c, places->area);
+			take(f, facet, area, c, places->area);
 		for (; used > most && next < sum && c->count < most; next += step)
-			take(f, slot, step, c, places->area);
+			take(f, facet, step, c, places->area);
 	}
 }
 
@@ -88,9 +88,9 @@ static gw_status make(gw_gpu *gpu, const facets *f, uint32_t most, double shift,
 					  gw_sight_places *places, gw_error *error)
 {
 	size_t used = 0;
-	for (size_t slot = 0; slot < f->slots; slot++) {
-		places->total += area_of(f, slot);
-		used += area_of(f, slot) > 0.0;
+	for (size_t facet = 0; facet < f->count; facet++) {
+		places->total += area_of(f, facet);
+		used += area_of(f, facet) > 0.0;
 	}
 	size_t room = used < most ? used : most;
 	choice c = { gw_allocate_zeros(room, 4 * sizeof *c.position),
@@ -114,7 +114,7 @@ static gw_status make(gw_gpu *gpu, const facets *f, uint32_t most, double shift,
 gw_status gw_sight_places_make(gw_gpu *gpu, const gw_octree *octree, uint32_t most, double shift,
 							   gw_sight_places *places, gw_error *error)
 {
-	facets f = { .slots = 0 };
+	facets f = { .count = 0 };
 	*places = (gw_sight_places){ .reach = (float)(1u << octree->depth) };
 	gw_status status = open_facets(gpu, octree, &f, error);
 	if (status == GW_OK)
@@ -146,7 +146,8 @@ static gw_status look(const gw_sight *s, const float *viewer, uint32_t count, gw
 	const gw_binding bindings[] = { GW_TRACE_BINDINGS(s->octree),   gw_whole(&buffer[0]),
 									gw_whole(&s->places->position), gw_whole(&s->places->normal),
 									gw_window(&buffer[1], 4),       GW_DISC_BINDINGS(s->octree),
-									GW_TREE_BINDING(s->octree),     GW_OPACITY_BINDING(s->octree) };
+									GW_TREE_BINDING(s->octree),     GW_OPACITY_BINDING(s->octree),
+									GW_LEAF_BINDING(s->octree) };
 	const gw_probe_push push = { .rays = s->places->count,
 								 .orientation = GW_SIGHT_ORIENTATION,
 								 .distance = GW_SIGHT_DISTANCE,

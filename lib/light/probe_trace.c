@@ -87,7 +87,7 @@ static bool has_slipped(const tracing *t, uint32_t own, uint32_t facet)
 	const gw_octree *o = t->scene->octree;
 	if (facet == GW_NONE)
 		return gw_compartments_apart(own, gw_compartment_outside(o));
-	return facet < 2 * o->leaf_count &&
+	return facet < o->facet_count &&
 		   gw_compartments_apart(own, gw_compartments_of_facets(o)[facet]);
 }
 
@@ -131,7 +131,7 @@ static void mend(const tracing *t, size_t probe)
 static void finish(void *user, size_t first, size_t last, uint32_t worker)
 {
 	const tracing *t = user;
-	const uint32_t unknown = 2 * t->scene->octree->leaf_count;
+	const uint32_t unknown = t->scene->octree->facet_count;
 	(void)worker;
 	for (size_t probe = t->first + first; probe < t->first + last; probe++) {
 		mend(t, probe);
@@ -162,7 +162,8 @@ static gw_status trace(tracing *t, size_t count, gw_buffer *position, gw_error *
 	const gw_binding bindings[] = { GW_TRACE_BINDINGS(o),     gw_whole(position),
 									gw_whole(&t->towards),    gw_window(&t->hit[0], 4),
 									gw_window(&t->hit[1], 4), GW_DISC_BINDINGS(o),
-									GW_TREE_BINDING(o),       GW_OPACITY_BINDING(o) };
+									GW_TREE_BINDING(o),       GW_OPACITY_BINDING(o),
+									GW_LEAF_BINDING(o) };
 	const gw_probe_push push = { .rays = (uint32_t)t->texels, .seed = t->scene->seed };
 	GW_TRY(gw_passes_run(passes, GW_PASS_PROBE_RAYS, bindings, &push, rays, error));
 	GW_TRY(gw_buffer_download(passes->gpu, &t->hit[0], 0, h->facet + t->first * t->texels, 4 * rays,
@@ -232,7 +233,7 @@ static void put_texel(const showing *t, size_t texel)
 	const float *direction = t->direction + 4 * (texel % t->texels);
 	const uint32_t facet = t->hits->facet[texel];
 	float *radiance = p->radiance + 3 * texel;
-	const bool none = facet >= 2 * t->scene->octree->leaf_count;
+	const bool none = facet >= t->scene->octree->facet_count;
 	const double distance = (double)t->hits->distance[texel] * t->metres;
 	p->distance[texel] = none || distance > (double)GW_PROBE_FAR ? GW_PROBE_FAR : (float)distance;
 	if (facet == GW_NONE && t->scene->facet_radiance)
@@ -292,7 +293,7 @@ static gw_status open_showing(showing *t, gw_error *error)
 {
 	gw_gpu *gpu = t->scene->passes->gpu;
 	const gw_octree *o = t->scene->octree;
-	const uint64_t facets = 32 * (uint64_t)o->leaf_count;
+	const uint64_t facets = 16 * (uint64_t)o->facet_count;
 	t->direction = make_directions(t->hits->size, error);
 	if (!t->direction)
 		return GW_ERROR_MEMORY;

@@ -50,9 +50,9 @@ static gw_status no_memory(const making *m, gw_error *error)
 
 /* ---------------------------------------------------------------------------------- surface */
 
-/* Host copies of what the facets are; 4 floats a slot. */
+/* Host copies of what the facets are; 4 floats a facet. */
 typedef struct facets {
-	size_t slots;
+	size_t count;
 	gw_view centre, plane, albedo;
 } facets;
 
@@ -60,40 +60,40 @@ static gw_status open_facets(const making *m, facets *f, gw_error *error)
 {
 	gw_gpu *gpu = m->on->passes->gpu;
 	const gw_octree *o = m->on->octree;
-	f->slots = 2 * (size_t)o->leaf_count;
-	GW_TRY(gw_view_open(gpu, &o->facet_centre, 16 * f->slots, &f->centre, error));
-	GW_TRY(gw_view_open(gpu, &o->facet_plane, 16 * f->slots, &f->plane, error));
-	return gw_view_open(gpu, &o->facet_albedo, 16 * f->slots, &f->albedo, error);
+	f->count = o->facet_count;
+	GW_TRY(gw_view_open(gpu, &o->facet_centre, 16 * f->count, &f->centre, error));
+	GW_TRY(gw_view_open(gpu, &o->facet_plane, 16 * f->count, &f->plane, error));
+	return gw_view_open(gpu, &o->facet_albedo, 16 * f->count, &f->albedo, error);
 }
 
 /* Sides of a facet that send light: none, one or both. */
-static int sides_of(const facets *f, size_t slot)
+static int sides_of(const facets *f, size_t facet)
 {
-	if (!(((const float *)f->centre.bytes)[4 * slot + 3] > 0.0f))
+	if (!(((const float *)f->centre.bytes)[4 * facet + 3] > 0.0f))
 		return 0;
-	return floorf(((const float *)f->albedo.bytes)[4 * slot + 3]) > 0.0f ? 2 : 1;
+	return floorf(((const float *)f->albedo.bytes)[4 * facet + 3]) > 0.0f ? 2 : 1;
 }
 
-static void take(making *m, const facets *f, size_t slot, bool back)
+static void take(making *m, const facets *f, size_t facet, bool back)
 {
 	senders *s = &m->from;
-	const float *centre = (const float *)f->centre.bytes + 4 * slot;
-	const float *plane = (const float *)f->plane.bytes + 4 * slot;
+	const float *centre = (const float *)f->centre.bytes + 4 * facet;
+	const float *plane = (const float *)f->plane.bytes + 4 * facet;
 	const float size = m->volume->size;
 	for (size_t k = 0; k < 3; k++) {
 		s->position[4 * s->count + k] = centre[k];
 		s->normal[4 * s->count + k] = back ? -plane[k] : plane[k];
 	}
 	s->area[s->count] = centre[3] / (size * size);
-	s->word[s->count++] = (uint32_t)slot + (back ? GW_SENDS_BACK : 0u);
+	s->word[s->count++] = (uint32_t)facet + (back ? GW_SENDS_BACK : 0u);
 }
 
 static gw_status list_senders(making *m, const facets *f, gw_error *error)
 {
 	senders *s = &m->from;
 	size_t count = 0;
-	for (size_t slot = 0; slot < f->slots; slot++)
-		count += (size_t)sides_of(f, slot);
+	for (size_t facet = 0; facet < f->count; facet++)
+		count += (size_t)sides_of(f, facet);
 	s->word = gw_allocate_array(count, sizeof *s->word);
 	s->area = gw_allocate_array(count, sizeof *s->area);
 	s->position = gw_allocate_zeros(count, 4 * sizeof *s->position);
@@ -102,9 +102,9 @@ static gw_status list_senders(making *m, const facets *f, gw_error *error)
 	s->weight = gw_allocate_array(count, WEIGHTS * sizeof *s->weight);
 	if (!s->word || !s->area || !s->position || !s->normal || !s->cell || !s->weight)
 		return no_memory(m, error);
-	for (size_t slot = 0; slot < f->slots; slot++)
-		for (int side = 0; side < sides_of(f, slot); side++)
-			take(m, f, slot, side == 1);
+	for (size_t facet = 0; facet < f->count; facet++)
+		for (int side = 0; side < sides_of(f, facet); side++)
+			take(m, f, facet, side == 1);
 	return GW_OK;
 }
 
@@ -190,7 +190,7 @@ static gw_status weigh_senders(making *m, gw_error *error)
 
 static gw_status find_senders(making *m, gw_error *error)
 {
-	facets f = { .slots = 0 };
+	facets f = { .count = 0 };
 	gw_status status = open_facets(m, &f, error);
 	if (status == GW_OK)
 		status = list_senders(m, &f, error);
@@ -239,7 +239,8 @@ static gw_status look_through(making *m, gw_buffer *found, gw_error *error)
 							found, error));
 	const gw_binding bindings[] = { GW_TRACE_BINDINGS(o), gw_whole(&m->volume->centre),
 									gw_window(found, 4),  GW_DISC_BINDINGS(o),
-									GW_TREE_BINDING(o),   GW_OPACITY_BINDING(o) };
+									GW_TREE_BINDING(o),   GW_OPACITY_BINDING(o),
+									GW_LEAF_BINDING(o) };
 	const gw_volume_push push = gw_radiance_volume_push(m->volume);
 	GW_TRY(gw_passes_run(passes, GW_PASS_VOLUME_FACES, bindings, &push, faces, error));
 	return gw_buffer_download(passes->gpu, found, 0, m->through, 4 * faces, error);

@@ -100,10 +100,10 @@ static gw_status trace(const gw_record_context *on, bool looking, gw_radiance_vo
 							&(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
 													  4 * rays, "hits of a volume's rays" },
 							&v->hit, error));
-	const gw_binding bindings[] = { GW_TRACE_BINDINGS(on->octree), gw_whole(&v->centre),
-									gw_whole(&v->pattern),         gw_window(&v->hit, 4),
-									GW_DISC_BINDINGS(on->octree),  GW_TREE_BINDING(on->octree),
-									GW_OPACITY_BINDING(on->octree) };
+	const gw_binding bindings[] = { GW_TRACE_BINDINGS(on->octree),  gw_whole(&v->centre),
+									gw_whole(&v->pattern),          gw_window(&v->hit, 4),
+									GW_DISC_BINDINGS(on->octree),   GW_TREE_BINDING(on->octree),
+									GW_OPACITY_BINDING(on->octree), GW_LEAF_BINDING(on->octree) };
 	gw_volume_push push = gw_radiance_volume_push(v);
 	push.looking = looking;
 	return gw_passes_run(on->passes, GW_PASS_VOLUME_RAYS, bindings, &push, rays, error);

@@ -58,7 +58,7 @@ void gw_radiance_volume_destroy(gw_gpu *gpu, gw_radiance_volume *volume); /* an 
 
 /* Where the light of a volume comes from. */
 typedef struct gw_volume_light {
-	const gw_buffer *facets; /* texel buffer, 2 * leaf_count vec4: radiance */
+	const gw_buffer *facets; /* texel buffer, facet_count vec4: radiance */
 	const float *sky;        /* 3, even radiance that rays see which leave the scene */
 	const gw_sky_map *map;   /* NULL, or what they see besides */
 } gw_volume_light;

@@ -184,13 +184,13 @@ gw_status gw_read_back_make_some(const gw_record_context *on, const gw_buffer *r
 
 /* Rows of facets on the host. */
 typedef struct facet_rows {
-	const uint32_t *slot, *row, *record;
+	const uint32_t *facet, *row, *record;
 	const float *weight;
 } facet_rows;
 
-static size_t facet_row_length(const facet_rows *f, uint32_t slot)
+static size_t facet_row_length(const facet_rows *f, uint32_t facet)
 {
-	const uint32_t *record = f->record + GW_WEIGHTS * (size_t)f->row[slot];
+	const uint32_t *record = f->record + GW_WEIGHTS * (size_t)f->row[facet];
 	size_t n = 0;
 	while (n < GW_WEIGHTS && record[n] != GW_NONE)
 		n++;
@@ -207,9 +207,9 @@ static uint64_t count_entries(const gw_read_back *b, const facet_rows *f, uint32
 {
 	uint64_t entries = 0;
 	for (size_t i = 0; i < b->count; i++) {
-		bool takes = row_length(b, i) == 0 && f->slot[i] != GW_NONE;
+		bool takes = row_length(b, i) == 0 && f->facet[i] != GW_NONE;
 		first[i] = (uint32_t)entries;
-		entries += takes ? facet_row_length(f, f->slot[i]) : row_length(b, i);
+		entries += takes ? facet_row_length(f, f->facet[i]) : row_length(b, i);
 	}
 	first[b->count] = (uint32_t)entries;
 	return entries;
@@ -232,7 +232,7 @@ static gw_status take_rows(const facet_rows *f, gw_read_back *b, gw_error *error
 	for (size_t i = 0; i < b->count; i++) {
 		size_t from = b->first[i], length = all.first[i + 1] - all.first[i];
 		bool own = row_length(b, i) > 0 || length == 0;
-		size_t row = own ? 0 : GW_WEIGHTS * (size_t)f->row[f->slot[i]];
+		size_t row = own ? 0 : GW_WEIGHTS * (size_t)f->row[f->facet[i]];
 		put_row(&all, i, own ? b->record + from : f->record + row,
 				own ? b->weight + from : f->weight + row, length);
 	}
@@ -241,7 +241,7 @@ static gw_status take_rows(const facet_rows *f, gw_read_back *b, gw_error *error
 	return GW_OK;
 }
 
-gw_status gw_read_back_take_facets(const gw_record_context *on, const uint32_t *slot,
+gw_status gw_read_back_take_facets(const gw_record_context *on, const uint32_t *facet,
 								   gw_read_back *read_back, gw_error *error)
 {
 	gw_gpu *gpu = on->passes->gpu;
@@ -249,13 +249,13 @@ gw_status gw_read_back_take_facets(const gw_record_context *on, const uint32_t *
 	uint64_t bytes = 4 * GW_WEIGHTS * (uint64_t)r->row_count;
 	gw_view row = { 0 }, record = { 0 }, weight = { 0 };
 	gw_status status =
-		gw_view_open(gpu, &r->facet_row, 8 * (uint64_t)on->octree->leaf_count, &row, error);
+		gw_view_open(gpu, &r->facet_row, 4 * (uint64_t)on->octree->facet_count, &row, error);
 	if (status == GW_OK)
 		status = gw_view_open(gpu, &r->facet_record, bytes, &record, error);
 	if (status == GW_OK)
 		status = gw_view_open(gpu, &r->facet_weight, bytes, &weight, error);
 	if (status == GW_OK)
-		status = take_rows(&(facet_rows){ slot, row.bytes, record.bytes, weight.bytes }, read_back,
+		status = take_rows(&(facet_rows){ facet, row.bytes, record.bytes, weight.bytes }, read_back,
 						   error);
 	gw_view_close(&weight);
 	gw_view_close(&record);

@@ -24,7 +24,7 @@ typedef struct dart_table {
 
 typedef struct gw_dart {
 	uint64_t turn;
-	uint32_t slot;
+	uint32_t facet;
 } dart;
 
 static uint64_t mix(uint64_t v)
@@ -41,7 +41,7 @@ static int by_turn(const void *a, const void *b)
 	const dart *x = a, *y = b;
 	if (x->turn != y->turn)
 		return x->turn < y->turn ? -1 : 1;
-	return x->slot < y->slot ? -1 : x->slot > y->slot;
+	return x->facet < y->facet ? -1 : x->facet > y->facet;
 }
 
 static int by_value(const void *a, const void *b)
@@ -75,10 +75,10 @@ static bool conflict(const gw_place_task *task, uint32_t first, uint32_t second,
 	return squared < spacing * spacing && alignment > LIKE_NORMAL && fabsf(height) < off_plane;
 }
 
-/* What a slot's own spacing is, and how far off its plane another surface begins. */
-static float spacing_at(const gw_place_task *task, uint32_t slot, float *off_plane)
+/* What a facet's own spacing is, and how far off its plane another surface begins. */
+static float spacing_at(const gw_place_task *task, uint32_t facet, float *off_plane)
 {
-	float spacing = task->closer ? task->closer[slot & ~GW_RECORD_BACK] : task->spacing;
+	float spacing = task->closer ? task->closer[facet & ~GW_RECORD_BACK] : task->spacing;
 	*off_plane = 0.3f * task->radius * (task->closer ? spacing / task->spacing : 1.0f);
 	return spacing;
 }
@@ -96,19 +96,19 @@ static const int8_t around[27] = { 13, 4,  10, 12, 14, 16, 22, 1, 3, 5,  7,  9, 
 								   17, 19, 21, 23, 25, 0,  2,  6, 8, 18, 20, 24, 26 };
 
 static bool crowded(const dart_table *table, const gw_place_task *task, const uint32_t *chosen,
-					uint32_t slot)
+					uint32_t facet)
 {
-	float off_plane, spacing = spacing_at(task, slot, &off_plane);
+	float off_plane, spacing = spacing_at(task, facet, &off_plane);
 	int64_t cell[3];
 	for (size_t axis = 0; axis < 3; axis++)
-		cell[axis] = (int64_t)floorf(task->centre[4 * (size_t)(slot & ~GW_RECORD_BACK) + axis] /
+		cell[axis] = (int64_t)floorf(task->centre[4 * (size_t)(facet & ~GW_RECORD_BACK) + axis] /
 									 table->cell);
 	for (int n = 0; n < 27; n++) {
 		int i = around[n];
 		uint32_t b =
 			bucket(table, cell[0] + i % 3 - 1, cell[1] + i / 3 % 3 - 1, cell[2] + i / 9 - 1);
 		for (uint32_t at = table->head[b]; at != 0; at = table->next[at - 1]) {
-			if (conflict(task, slot, chosen[at - 1], spacing, off_plane))
+			if (conflict(task, facet, chosen[at - 1], spacing, off_plane))
 				return true;
 		}
 	}
@@ -131,20 +131,20 @@ static size_t throw_darts(dart_table *table, const gw_place_task *task, const da
 	for (size_t i = 0; i < count; i++)
 		stick(table, task, chosen, i);
 	for (size_t i = 0; i < dart_count && (task->most == 0 || count <= task->most); i++) {
-		if (crowded(table, task, chosen, darts[i].slot))
+		if (crowded(table, task, chosen, darts[i].facet))
 			continue;
-		chosen[count] = darts[i].slot;
+		chosen[count] = darts[i].facet;
 		stick(table, task, chosen, count++);
 	}
 	return count;
 }
 
 /* A dart's turn follows from what its facet is, so that a facet far away does not change it. */
-static uint64_t turn_of(const float *centre, const float *plane, size_t slot, uint64_t seed)
+static uint64_t turn_of(const float *centre, const float *plane, size_t facet, uint64_t seed)
 {
 	uint64_t words[4];
-	memcpy(words, centre + 4 * slot, 16);
-	memcpy(words + 2, plane + 4 * slot, 16);
+	memcpy(words, centre + 4 * facet, 16);
+	memcpy(words + 2, plane + 4 * facet, 16);
 	for (int i = 0; i < 4; i++)
 		seed = mix(words[i] ^ mix(seed));
 	return seed;
@@ -153,13 +153,13 @@ static uint64_t turn_of(const float *centre, const float *plane, size_t slot, ui
 static size_t list_darts(const gw_place_task *task, dart *darts)
 {
 	size_t count = 0;
-	for (size_t slot = 0; slot < task->slots; slot++) {
-		if (!(task->centre[4 * slot + 3] > 0.0f) || (task->closer && isinf(task->closer[slot])))
+	for (size_t facet = 0; facet < task->facets; facet++) {
+		if (!(task->centre[4 * facet + 3] > 0.0f) || (task->closer && isinf(task->closer[facet])))
 			continue;
-		uint64_t turn = turn_of(task->centre, task->plane, slot, task->seed);
-		darts[count++] = (dart){ turn, (uint32_t)slot };
-		if (task->albedo && floorf(task->albedo[4 * slot + 3]) == GW_FACET_UNCLEAR)
-			darts[count++] = (dart){ turn, (uint32_t)slot | GW_RECORD_BACK };
+		uint64_t turn = turn_of(task->centre, task->plane, facet, task->seed);
+		darts[count++] = (dart){ turn, (uint32_t)facet };
+		if (task->albedo && floorf(task->albedo[4 * facet + 3]) == GW_FACET_UNCLEAR)
+			darts[count++] = (dart){ turn, (uint32_t)facet | GW_RECORD_BACK };
 	}
 	return count;
 }
@@ -200,12 +200,12 @@ static void sort_darts(dart *darts, size_t count)
 
 gw_status gw_dart_order_make(const gw_place_task *task, gw_dart_order *order, gw_error *error)
 {
-	size_t most = task->albedo ? 2 * task->slots : task->slots;
+	size_t most = task->albedo ? 2 * task->facets : task->facets;
 	*order = (gw_dart_order){ .dart = gw_allocate_array(most, sizeof *order->dart) };
 	if (!order->dart)
 		return gw_fail(error, GW_ERROR_MEMORY,
 					   "no memory for %zu candidates of records; bake at a smaller depth",
-					   task->slots);
+					   task->facets);
 	order->count = list_darts(task, order->dart);
 	if (task->spacing > 0.0f)
 		sort_darts(order->dart, order->count);
@@ -230,7 +230,7 @@ static size_t choose(dart_table *table, const gw_place_task *task, uint32_t *cho
 		qsort(chosen + task->kept_count, count - task->kept_count, sizeof *chosen, by_value);
 	} else {
 		for (size_t i = 0; i < count; i++)
-			chosen[i] = order->dart[i].slot;
+			chosen[i] = order->dart[i].facet;
 	}
 	return count;
 }
@@ -240,7 +240,7 @@ static gw_status place_in_order(const gw_place_task *task, uint32_t **chosen, si
 {
 	dart_table table = { .mask = 1, .cell = task->spacing };
 	size_t most = task->kept_count + task->order->count;
-	while (table.mask < task->slots && table.mask < UINT32_MAX / 2)
+	while (table.mask < task->facets && table.mask < UINT32_MAX / 2)
 		table.mask = table.mask * 2 + 1;
 	table.head = gw_allocate_zeros((size_t)table.mask + 1, sizeof *table.head);
 	table.next = gw_allocate_array(most, sizeof *table.next);
@@ -249,7 +249,7 @@ static gw_status place_in_order(const gw_place_task *task, uint32_t **chosen, si
 	if (!table.head || !table.next || !*chosen) {
 		status = gw_fail(error, GW_ERROR_MEMORY,
 						 "no memory for %zu candidates of records; bake at a smaller depth",
-						 task->slots);
+						 task->facets);
 		free(*chosen);
 		*chosen = NULL;
 	} else {

@@ -13,17 +13,17 @@ typedef struct gw_dart_order {
 } gw_dart_order;
 
 typedef struct gw_place_task {
-	const float *centre, *plane; /* 4 * slots, as gw_octree.facet_centre and facet_plane; slots of
+	const float *centre, *plane; /* 4 * facets, as gw_octree.facet_centre and facet_plane; facets of
 									area 0 are skipped */
-	size_t slots;
-	const float *albedo;  /* NULL, or 4 * slots, as facet_albedo: what may face either way gets
-							 records on both sides */
-	float spacing;        /* leaf cells; 0 chooses every facet */
-	float radius;         /* of influence, leaf cells: how far off a facet's plane counts as another
-							 surface */
-	const float *closer;  /* NULL, or one a slot: its own spacing, at most the spacing, which has to
-							 be above 0; the radius shrinks with it. INFINITY: it needs none */
-	const uint32_t *kept; /* kept_count slots that have records already */
+	size_t facets;
+	const float *albedo; /* NULL, or 4 * facets, as facet_albedo: what may face either way gets
+							records on both sides */
+	float spacing;       /* leaf cells; 0 chooses every facet */
+	float radius;        /* of influence, leaf cells: how far off a facet's plane counts as another
+							surface */
+	const float *closer; /* NULL, or one a facet: its own spacing, at most the spacing, which has to
+							be above 0; the radius shrinks with it. INFINITY: it needs none */
+	const uint32_t *kept; /* kept_count facets that have records already */
 	size_t kept_count;
 	const gw_dart_order *order; /* of such a task with any spacing above 0, or NULL */
 	size_t most;                /* 0, or to stop as soon as more than so many are chosen */
@@ -39,8 +39,8 @@ void gw_dart_order_clear(gw_dart_order *order);
 
 /*
  * Chooses facets for records, see gw_records_place.
- *   chosen   receives the slots, those of backs plus GW_RECORD_BACK, allocated: those that are kept
- * as they are, then the others in ascending order; freed by the caller
+ *   chosen   receives the facets, those of backs plus GW_RECORD_BACK, allocated: those that are
+ * kept as they are, then the others in ascending order; freed by the caller
  */
 gw_status gw_place_records(const gw_place_task *task, uint32_t **chosen, size_t *count,
 						   gw_error *error);

@@ -15,9 +15,9 @@
 
 typedef struct powers_job {
 	gw_view albedo, centre, row, record, weight; /* of the facets */
-	size_t slots, records;
+	size_t facets, records;
 	double *power; /* 3 a record and part */
-	size_t part;   /* slots of a part */
+	size_t part;   /* facets of a part */
 } powers_job;
 
 static void add_powers(void *user, size_t first, size_t last, uint32_t worker)
@@ -44,9 +44,9 @@ static gw_status open_views(const gw_record_context *on, powers_job *job, gw_err
 {
 	gw_gpu *gpu = on->passes->gpu;
 	uint64_t words = 4 * (uint64_t)GW_WEIGHTS * on->records->row_count;
-	GW_TRY(gw_view_open(gpu, &on->octree->facet_albedo, 16 * job->slots, &job->albedo, error));
-	GW_TRY(gw_view_open(gpu, &on->octree->facet_centre, 16 * job->slots, &job->centre, error));
-	GW_TRY(gw_view_open(gpu, &on->records->facet_row, 4 * job->slots, &job->row, error));
+	GW_TRY(gw_view_open(gpu, &on->octree->facet_albedo, 16 * job->facets, &job->albedo, error));
+	GW_TRY(gw_view_open(gpu, &on->octree->facet_centre, 16 * job->facets, &job->centre, error));
+	GW_TRY(gw_view_open(gpu, &on->records->facet_row, 4 * job->facets, &job->row, error));
 	GW_TRY(gw_view_open(gpu, &on->records->facet_record, words, &job->record, error));
 	return gw_view_open(gpu, &on->records->facet_weight, words, &job->weight, error);
 }
@@ -64,7 +64,7 @@ static gw_status add_up(const gw_record_context *on, powers_job *job, float *pow
 {
 	size_t values = 3 * job->records;
 	GW_TRY(open_views(on, job, error));
-	gw_cpu_loop(on->passes, GW_PASS_FACET_SHADE, job->slots, job->part, add_powers, job);
+	gw_cpu_loop(on->passes, GW_PASS_FACET_SHADE, job->facets, job->part, add_powers, job);
 	for (size_t i = 0; i < values; i++) {
 		double sum = 0.0;
 		for (size_t part = 0; part < POWER_PARTS; part++)
@@ -77,11 +77,11 @@ static gw_status add_up(const gw_record_context *on, powers_job *job, float *pow
 gw_status gw_record_powers_find(const gw_record_context *on, gw_record_powers *powers,
 								gw_error *error)
 {
-	size_t slots = 2 * (size_t)on->octree->leaf_count, values = 3 * (size_t)on->records->count;
-	powers_job job = { .slots = slots,
+	size_t facets = on->octree->facet_count, values = 3 * (size_t)on->records->count;
+	powers_job job = { .facets = facets,
 					   .records = on->records->count,
 					   .power = gw_allocate_zeros(values, POWER_PARTS * sizeof *job.power),
-					   .part = slots / POWER_PARTS + 1 };
+					   .part = facets / POWER_PARTS + 1 };
 	powers->power = gw_allocate_array(values, sizeof *powers->power);
 	gw_status status = job.power && powers->power
 						   ? add_up(on, &job, powers->power, error)

@@ -81,27 +81,27 @@ void gw_records_drop_moments(gw_gpu *gpu, gw_records *records)
 	gw_buffer_destroy(gpu, &records->indirect_moment);
 }
 
-/* Gives each facet that has area a row, in the order of slots. */
-static void number_rows(const float *centre, size_t slots, uint32_t *row, uint32_t *count)
+/* Gives each facet that has area a row, in the order of facets. */
+static void number_rows(const float *centre, size_t facets, uint32_t *row, uint32_t *count)
 {
 	*count = 1;
-	for (size_t slot = 0; slot < slots; slot++)
-		row[slot] = centre[4 * slot + 3] > 0.0f ? (*count)++ : 0;
+	for (size_t facet = 0; facet < facets; facet++)
+		row[facet] = centre[4 * facet + 3] > 0.0f ? (*count)++ : 0;
 }
 
 /* Fills facet_row and row_count. */
 static gw_status make_rows(gw_gpu *gpu, const gw_octree *octree, gw_records *records,
 						   gw_error *error)
 {
-	size_t slots = 2 * (size_t)octree->leaf_count;
+	size_t facets = octree->facet_count;
 	gw_view centre;
 	gw_edit row;
-	GW_TRY(texel(gpu, VK_FORMAT_R32_UINT, 4 * (uint64_t)slots, "facet row", &records->facet_row,
+	GW_TRY(texel(gpu, VK_FORMAT_R32_UINT, 4 * (uint64_t)facets, "facet row", &records->facet_row,
 				 error));
-	GW_TRY(gw_view_open(gpu, &octree->facet_centre, 16 * (uint64_t)slots, &centre, error));
+	GW_TRY(gw_view_open(gpu, &octree->facet_centre, 16 * (uint64_t)facets, &centre, error));
 	gw_status status = gw_edit_open(gpu, &records->facet_row, &row, error);
 	if (status == GW_OK) {
-		number_rows(centre.bytes, slots, row.bytes, &records->row_count);
+		number_rows(centre.bytes, facets, row.bytes, &records->row_count);
 		status = gw_edit_close(gpu, &row, true, error);
 	}
 	gw_view_close(&centre);
@@ -138,12 +138,15 @@ static gw_status create_buffers(gw_gpu *gpu, const gw_octree *octree, gw_records
 /* Puts a record on each of the facets that are listed. */
 static gw_status put_on_facets(const gw_record_context *on, const gw_buffer *facet, gw_error *error)
 {
-	const gw_binding bindings[] = {
-		gw_whole(&on->octree->leaf_fragment),   gw_whole(&on->octree->fragment_surfel),
-		gw_whole(&on->octree->surfel_position), gw_whole(&on->octree->facet_plane),
-		gw_whole(&on->octree->facet_centre),    gw_window(facet, 4),
-		gw_window(&on->records->position, 16),  gw_window(&on->records->normal, 16)
-	};
+	const gw_binding bindings[] = { gw_whole(&on->octree->leaf_fragment),
+									gw_whole(&on->octree->fragment_surfel),
+									gw_whole(&on->octree->surfel_position),
+									gw_whole(&on->octree->facet_plane),
+									gw_whole(&on->octree->facet_centre),
+									gw_window(facet, 4),
+									gw_window(&on->records->position, 16),
+									gw_window(&on->records->normal, 16),
+									GW_LEAF_BINDING(on->octree) };
 	return gw_passes_run(on->passes, GW_PASS_RECORD_PLACE, bindings, &(gw_record_push){ 0 },
 						 on->records->count, error);
 }
@@ -192,7 +195,8 @@ static gw_status find_blocks(const gw_record_context *on, const gw_buffer *facet
 									gw_window(&on->records->position, 16),
 									gw_window(block_of, 4),
 									gw_window(facet, 4),
-									gw_whole(&on->octree->leaf_cell) };
+									gw_whole(&on->octree->leaf_cell),
+									GW_LEAF_BINDING(on->octree) };
 	gw_lookup_push push = { .block_level = on->records->block_level,
 							.tile_first = on->records->block_tile_first };
 	GW_TRY(gw_passes_run(on->passes, GW_PASS_RECORD_BLOCK, bindings, &push, on->records->count,
@@ -239,7 +243,7 @@ static gw_status view_facets(gw_gpu *gpu, const gw_octree *octree, gw_view view[
 	const gw_buffer *const buffer[3] = { &octree->facet_centre, &octree->facet_plane,
 										 &octree->facet_albedo };
 	for (int i = 0; i < (octree->backs ? 3 : 2); i++)
-		GW_TRY(gw_view_open(gpu, buffer[i], 32 * (uint64_t)octree->leaf_count, &view[i], error));
+		GW_TRY(gw_view_open(gpu, buffer[i], 16 * (uint64_t)octree->facet_count, &view[i], error));
 	return GW_OK;
 }
 
@@ -300,7 +304,7 @@ static gw_status choose_facets(const gw_record_context *on, gw_place_task task, 
 	const gw_octree *octree = on->octree;
 	gw_dart_order order = { 0 };
 	gw_view view[3] = { 0 };
-	task.slots = 2 * (size_t)octree->leaf_count;
+	task.facets = octree->facet_count;
 	gw_status status = view_facets(on->passes->gpu, octree, view, error);
 	task.centre = view[0].bytes;
 	task.plane = view[1].bytes;
@@ -450,19 +454,19 @@ static gw_lookup_push lookup(const gw_records *records, const gw_buffer *reach)
 		gw_whole(&(on)->records->position), gw_whole(&(on)->records->normal),                      \
 		gw_whole(&(on)->records->block_first), gw_whole(&(on)->records->block_record)
 
-/* The slot of each row; GW_NONE of the empty one. */
-static gw_status list_slots(const gw_record_context *on, gw_buffer *slot, gw_error *error)
+/* The facet of each row; GW_NONE of the empty one. */
+static gw_status list_facets(const gw_record_context *on, gw_buffer *facet, gw_error *error)
 {
 	gw_gpu *gpu = on->passes->gpu;
-	size_t slots = 2 * (size_t)on->octree->leaf_count;
+	size_t facets = on->octree->facet_count;
 	gw_view row;
 	gw_edit edit;
-	GW_TRY(texel(gpu, VK_FORMAT_R32_UINT, 4 * (uint64_t)on->records->row_count, "slots of rows",
-				 slot, error));
-	GW_TRY(gw_view_open(gpu, &on->records->facet_row, 4 * (uint64_t)slots, &row, error));
-	gw_status status = gw_edit_open(gpu, slot, &edit, error);
+	GW_TRY(texel(gpu, VK_FORMAT_R32_UINT, 4 * (uint64_t)on->records->row_count, "facets of rows",
+				 facet, error));
+	GW_TRY(gw_view_open(gpu, &on->records->facet_row, 4 * (uint64_t)facets, &row, error));
+	gw_status status = gw_edit_open(gpu, facet, &edit, error);
 	if (status == GW_OK) {
-		for (size_t i = 0; i < slots; i++)
+		for (size_t i = 0; i < facets; i++)
 			((uint32_t *)edit.bytes)[((const uint32_t *)row.bytes)[i]] = (uint32_t)i;
 		((uint32_t *)edit.bytes)[0] = GW_NONE;
 		status = gw_edit_close(gpu, &edit, true, error);
@@ -472,7 +476,7 @@ static gw_status list_slots(const gw_record_context *on, gw_buffer *slot, gw_err
 }
 
 static gw_status weigh_rows(const gw_record_context *on, const gw_buffer *reach,
-							const gw_buffer *slot, gw_error *error)
+							const gw_buffer *facet, gw_error *error)
 {
 	gw_lookup_push push = lookup(on->records, reach);
 	const gw_binding bindings[] = { LOOKUP_BINDINGS(on),
@@ -480,7 +484,7 @@ static gw_status weigh_rows(const gw_record_context *on, const gw_buffer *reach,
 									gw_window(&on->records->facet_weight, 4 * GW_WEIGHTS),
 									gw_whole(reach ? reach : &on->records->position),
 									GW_TREE_BINDING(on->octree),
-									gw_window(slot, 4) };
+									gw_window(facet, 4) };
 	return gw_passes_run(on->passes, GW_PASS_FACET_WEIGHTS, bindings, &push, on->records->row_count,
 						 error);
 }
@@ -488,11 +492,11 @@ static gw_status weigh_rows(const gw_record_context *on, const gw_buffer *reach,
 gw_status gw_records_weigh_facets(const gw_record_context *on, const gw_buffer *reach,
 								  gw_error *error)
 {
-	gw_buffer slot = { 0 };
-	gw_status status = list_slots(on, &slot, error);
+	gw_buffer facet = { 0 };
+	gw_status status = list_facets(on, &facet, error);
 	if (status == GW_OK)
-		status = weigh_rows(on, reach, &slot, error);
-	gw_buffer_destroy(on->passes->gpu, &slot);
+		status = weigh_rows(on, reach, &facet, error);
+	gw_buffer_destroy(on->passes->gpu, &facet);
 	return status;
 }
 

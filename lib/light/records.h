@@ -34,8 +34,9 @@ typedef struct gw_records {
 	 * turns towards each of its tangents, irradiance over the sine of the angle: record_moment.glsl
 	 */
 	gw_buffer first_moment, indirect_moment;
-	uint32_t row_count; /* of facets: one each, behind one that is empty, as most slots have none */
-	gw_buffer facet_row;    /* R32_UINT, 2 * leaf_count: the row of each facet, or 0 */
+	uint32_t row_count; /* of facets: one each, behind one that is empty, as those without area have
+						   none */
+	gw_buffer facet_row;    /* R32_UINT, facet_count: the row of each facet, or 0 */
 	gw_buffer facet_record; /* R32G32B32A32_UINT, GW_WEIGHTS * row_count words: see
 							  facet_weights.comp */
 	gw_buffer facet_weight; /* R32G32B32A32_SFLOAT, likewise */
@@ -83,7 +84,7 @@ uint32_t gw_records_least(const gw_surfels *surfels, uint32_t asked);
  * and the distance to the nearest thing.
  *   on              its records were placed with a spacing above 0; or there are none yet, but a
  *                   spacing
- *   facet_spacing   2 * leaf_count: each facet's own, at most that; INFINITY for those that need
+ *   facet_spacing   facet_count: each facet's own, at most that; INFINITY for those that need
  *                   none
  */
 gw_status gw_records_add(const gw_record_context *on, uint64_t seed, const float *facet_spacing,
@@ -130,7 +131,7 @@ void gw_records_drop_moments(gw_gpu *gpu, gw_records *records);
 gw_status gw_records_light(gw_gpu *gpu, const gw_records *records, double *light, gw_error *error);
 
 /* Finds the records each facet's irradiance is interpolated from. Needs record position w.
- *   reach   NULL, or how far each looks, a texel buffer R32_SFLOAT of 2 * leaf_count; those of 0
+ *   reach   NULL, or how far each looks, a texel buffer R32_SFLOAT of facet_count; those of 0
  *           keep what they have */
 gw_status gw_records_weigh_facets(const gw_record_context *on, const gw_buffer *reach,
 								  gw_error *error);

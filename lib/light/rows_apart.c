@@ -122,10 +122,10 @@ static void part_surfels(const parting *p, gw_read_back *b)
 
 /* -------------------------------------------------------------------------------------- facets */
 
-static row_owner owner_of_facet(const parting *p, size_t slot)
+static row_owner owner_of_facet(const parting *p, size_t facet)
 {
-	return (row_owner){ p->centre + 4 * slot, p->plane + 4 * slot,
-						gw_compartments_of_facets(p->octree)[slot], GW_COMPARTMENT_UNKNOWN };
+	return (row_owner){ p->centre + 4 * facet, p->plane + 4 * facet,
+						gw_compartments_of_facets(p->octree)[facet], GW_COMPARTMENT_UNKNOWN };
 }
 
 static uint32_t facet_row_length(const uint32_t *record)
@@ -139,23 +139,23 @@ static uint32_t facet_row_length(const uint32_t *record)
 /* The first facet whose row has a record of another compartment, or how many there are. */
 static size_t find_apart(const parting *p, const uint32_t *record)
 {
-	size_t slot = 0, slots = 2 * (size_t)p->octree->leaf_count;
-	for (; slot < slots; slot++) {
-		const uint32_t *row = record + GW_WEIGHTS * (size_t)p->row[slot];
-		const row_owner of = owner_of_facet(p, slot);
+	size_t facet = 0, facets = p->octree->facet_count;
+	for (; facet < facets; facet++) {
+		const uint32_t *row = record + GW_WEIGHTS * (size_t)p->row[facet];
+		const row_owner of = owner_of_facet(p, facet);
 		if (is_row_apart(p, &of, row, facet_row_length(row)))
 			break;
 	}
-	return slot;
+	return facet;
 }
 
 /* Those from `first` on. */
 static void part_rows_of_facets(const parting *p, size_t first, uint32_t *record, float *weight)
 {
-	for (size_t slot = first; slot < 2 * (size_t)p->octree->leaf_count; slot++) {
-		uint32_t *row = record + GW_WEIGHTS * (size_t)p->row[slot];
-		float *row_weight = weight + GW_WEIGHTS * (size_t)p->row[slot];
-		const row_owner of = owner_of_facet(p, slot);
+	for (size_t facet = first; facet < p->octree->facet_count; facet++) {
+		uint32_t *row = record + GW_WEIGHTS * (size_t)p->row[facet];
+		float *row_weight = weight + GW_WEIGHTS * (size_t)p->row[facet];
+		const row_owner of = owner_of_facet(p, facet);
 		uint32_t length = facet_row_length(row);
 		uint32_t kept = part_row(p, &of, row, row_weight, length);
 		for (uint32_t i = kept; i < length; i++) {
@@ -174,7 +174,7 @@ static gw_status part_facets(const gw_record_context *on, const parting *p, gw_e
 	GW_TRY(gw_view_open(gpu, &r->facet_record, r->facet_record.bytes, &view, error));
 	size_t first = find_apart(p, view.bytes);
 	gw_view_close(&view);
-	if (first == 2 * (size_t)p->octree->leaf_count)
+	if (first == p->octree->facet_count)
 		return GW_OK;
 	GW_TRY(gw_edit_open(gpu, &r->facet_record, &record, error));
 	gw_status status = gw_edit_open(gpu, &r->facet_weight, &weight, error);
@@ -199,7 +199,7 @@ static gw_status open_views(const gw_record_context *on, size_t surfels, views *
 {
 	const gw_octree *o = on->octree;
 	const gw_records *r = on->records;
-	const uint64_t facets = 32 * (uint64_t)o->leaf_count, records = 16 * (uint64_t)r->count;
+	const uint64_t facets = 16 * (uint64_t)o->facet_count, records = 16 * (uint64_t)r->count;
 	const struct {
 		const gw_buffer *buffer;
 		uint64_t bytes;

@@ -56,13 +56,13 @@ static gw_status draw_facets(shadow_map *map, gw_shadow_push *push, gw_error *er
 {
 	const gw_binding bindings[] = { gw_whole(&map->octree->leaf_cell),
 									gw_whole(&map->octree->facet_plane), gw_whole(&map->depth),
-									gw_whole(&map->most) };
+									gw_whole(&map->most), GW_LEAF_BINDING(map->octree) };
 	gw_gpu *gpu = map->passes->gpu;
 	uint32_t rounds = 1;
 	GW_TRY(gw_buffer_fill(gpu, &map->most, 0, error));
 	for (push->round = 0; push->round < rounds; push->round++) {
 		GW_TRY(gw_passes_run(map->passes, GW_PASS_SHADOW_MAP_SPLAT, bindings, push,
-							 2 * (uint64_t)map->octree->leaf_count, error));
+							 map->octree->facet_count, error));
 		uint32_t most = 0;
 		if (push->round == 0)
 			GW_TRY(gw_buffer_download(gpu, &map->most, 0, &most, sizeof most, error));

@@ -149,25 +149,11 @@ gw_status gw_shut_out_mark(const gw_record_context *on, gw_buffer *marks, gw_err
 	return status;
 }
 
-/* The first slot without a facet, or GW_NONE. */
-static gw_status find_empty_slot(const gw_record_context *on, uint32_t *slot, gw_error *error)
-{
-	gw_view plane = { 0 };
-	size_t slots = 2 * (size_t)on->octree->leaf_count, i = 0;
-	GW_TRY(gw_view_open(on->passes->gpu, &on->octree->facet_plane, 16 * slots, &plane, error));
-	const float *n = plane.bytes;
-	while (i < slots && (n[4 * i] != 0.0f || n[4 * i + 1] != 0.0f || n[4 * i + 2] != 0.0f))
-		i++;
-	*slot = i < slots ? (uint32_t)i : GW_NONE;
-	gw_view_close(&plane);
-	return GW_OK;
-}
-
 /* What the steps of gw_shut_out_hits find. */
 typedef struct hit_labels {
 	uint32_t *hit; /* what each ray hit */
 	const uint32_t *facet;
-	uint32_t outside, empty; /* empty: a slot without a facet */
+	uint32_t outside, empty; /* empty: the facet that is */
 } hit_labels;
 
 /* Has a ray from a compartment slipped through rock? */
@@ -203,11 +189,11 @@ static gw_status turn_hits(const gw_record_context *on, const gw_labelled_rays *
 	size_t count = from->count, turned = 0;
 	uint32_t rays = from->rays;
 	l->outside = gw_compartment_outside(on->octree);
+	l->empty = on->octree->facet_count - 1;
 	l->facet = from->facet ? from->facet : gw_compartments_of_facets(on->octree);
 	l->hit = gw_allocate_array(count, rays * sizeof *l->hit);
 	if (!l->hit)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for what rays of %zu places hit", count);
-	GW_TRY(find_empty_slot(on, &l->empty, error));
 	GW_TRY(gw_buffer_download(gpu, facet, 0, l->hit, 4 * rays * (uint64_t)count, error));
 	for (size_t i = 0; i < count; i++)
 		turned += turn_record(l, from->label[i], l->hit + rays * i, rays);

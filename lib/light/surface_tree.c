@@ -12,6 +12,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* A disc of the same area as a piece of a plane is in a cell leaves out the corners of that. */
 #define DISC_REACH 1.25f
@@ -21,8 +22,8 @@
 
 /* What leaves hold, for the processor. */
 typedef struct leaves {
-	gw_view cell, tile, plane, centre, albedo;
-	uint32_t dark_slot;
+	gw_view leaf, cell, tile, plane, centre, albedo;
+	uint32_t dark_facet;
 } leaves;
 
 static void close_leaves(leaves *l)
@@ -32,22 +33,26 @@ static void close_leaves(leaves *l)
 	gw_view_close(&l->plane);
 	gw_view_close(&l->tile);
 	gw_view_close(&l->cell);
+	gw_view_close(&l->leaf);
 }
 
 static gw_status open_leaves(gw_gpu *gpu, const gw_octree *octree, leaves *l, gw_error *error)
 {
-	uint64_t count = octree->leaf_count;
-	*l = (leaves){ .dark_slot = octree->dark_slot };
-	gw_status status = gw_view_open(gpu, &octree->leaf_cell, 16 * count, &l->cell, error);
+	uint64_t facets = 16 * (uint64_t)octree->facet_count;
+	*l = (leaves){ .dark_facet = octree->dark_facet };
+	gw_status status =
+		gw_view_open(gpu, &octree->leaf_cell, 16 * (uint64_t)octree->leaf_count, &l->cell, error);
+	if (status == GW_OK)
+		status = gw_view_open(gpu, &octree->facet_leaf, facets / 4, &l->leaf, error);
 	if (status == GW_OK)
 		status = gw_view_open(gpu, &octree->leaf_tile, 8 * (uint64_t)octree->leaf_tile_count,
 							  &l->tile, error);
 	if (status == GW_OK)
-		status = gw_view_open(gpu, &octree->facet_plane, 32 * count, &l->plane, error);
+		status = gw_view_open(gpu, &octree->facet_plane, facets, &l->plane, error);
 	if (status == GW_OK)
-		status = gw_view_open(gpu, &octree->facet_centre, 32 * count, &l->centre, error);
+		status = gw_view_open(gpu, &octree->facet_centre, facets, &l->centre, error);
 	if (status == GW_OK)
-		status = gw_view_open(gpu, &octree->facet_albedo, 32 * count, &l->albedo, error);
+		status = gw_view_open(gpu, &octree->facet_albedo, facets, &l->albedo, error);
 	if (status != GW_OK)
 		close_leaves(l);
 	return status;
@@ -72,20 +77,21 @@ static float opacity_of(float sides, float w, float area)
 	return gw_facet_opacity(w);
 }
 
-static void set_sides(const leaves *l, size_t slot, gw_surface_piece *p)
+static void set_sides(const leaves *l, size_t facet, gw_surface_piece *p)
 {
-	float w = ((const float *)l->albedo.bytes)[4 * slot + 3], sides = floorf(w);
+	float w = ((const float *)l->albedo.bytes)[4 * facet + 3], sides = floorf(w);
 	p->two_sided = sides == 1.0f || sides == GW_FACET_FOLIAGE;
-	p->opacity = l->dark_slot != 0 ? opacity_of(sides, w, p->area) : 1.0f;
+	p->opacity = l->dark_facet != 0 ? opacity_of(sides, w, p->area) : 1.0f;
 	p->cone = w != 0.0f ? GW_CONE_ALL : 0.0f;
 }
 
-static void make_facet(const leaves *l, size_t slot, gw_surface_piece *p)
+static void make_facet(const leaves *l, size_t facet, gw_surface_piece *p)
 {
-	const uint32_t *cell = (const uint32_t *)l->cell.bytes + 4 * (slot / 2);
-	const float *centre = (const float *)l->centre.bytes + 4 * slot;
-	const float *plane = (const float *)l->plane.bytes + 4 * slot;
-	const float *albedo = (const float *)l->albedo.bytes + 4 * slot;
+	size_t leaf = gw_facet_leaf(((const uint32_t *)l->leaf.bytes)[facet]);
+	const uint32_t *cell = (const uint32_t *)l->cell.bytes + 4 * leaf;
+	const float *centre = (const float *)l->centre.bytes + 4 * facet;
+	const float *plane = (const float *)l->plane.bytes + 4 * facet;
+	const float *albedo = (const float *)l->albedo.bytes + 4 * facet;
 	float off = 0.0f;
 	*p = (gw_surface_piece){ .area = centre[3], .offset = plane[3], .size = 1.0f };
 	for (int k = 0; k < 3; k++) {
@@ -101,8 +107,8 @@ static void make_facet(const leaves *l, size_t slot, gw_surface_piece *p)
 	bool large = p->area > GW_FACET_LARGE;
 	float disc = DISC_REACH * sqrtf(p->area / GW_PI);
 	p->size = large ? 0.0f : 1.0f;
-	p->radius = large || !fills_cell(l, slot / 2) ? disc : sqrtf(off) + 0.87f;
-	set_sides(l, slot, p);
+	p->radius = large || !fills_cell(l, leaf) ? disc : sqrtf(off) + 0.87f;
+	set_sides(l, facet, p);
 }
 
 /* -------------------------------------------------------------------------------------- nodes */
@@ -215,16 +221,19 @@ gw_status gw_surface_tree_make(gw_gpu *gpu, const gw_octree *octree, gw_surface_
 							   gw_error *error)
 {
 	leaves l;
-	size_t slots = 2 * (size_t)octree->leaf_count;
-	*tree = (gw_surface_tree){ .slots = (uint32_t)slots, .count = (uint32_t)slots };
+	size_t facets = octree->facet_count;
+	*tree = (gw_surface_tree){ .facets = octree->facet_count, .count = octree->facet_count };
 	GW_TRY(open_leaves(gpu, octree, &l, error));
-	tree->piece = gw_allocate_array(slots, sizeof *tree->piece);
+	tree->piece = gw_allocate_array(facets, sizeof *tree->piece);
 	tree->level_first = gw_allocate_zeros(octree->depth + 2, sizeof *tree->level_first);
 	gw_status status = tree->piece && tree->level_first
 						   ? GW_OK
-						   : gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu facets", slots);
-	for (size_t i = 0; i < slots && status == GW_OK; i++)
+						   : gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu facets", facets);
+	for (size_t i = 0; i < facets && status == GW_OK; i++)
 		make_facet(&l, i, &tree->piece[i]);
+	/* The empty one, which follows that, makes no node. */
+	if (status == GW_OK)
+		memcpy(tree->piece[facets - 1].low, tree->piece[facets - 2].low, sizeof tree->piece->low);
 	close_leaves(&l);
 	if (status == GW_OK)
 		status = add_levels(octree, tree, error);

@@ -3,7 +3,7 @@
  * (Harada, section 4; the points of QSplat): each with its mean place, normal and albedo, its area,
  * a sphere around it, and a cone around the normals in it.
  *
- * Facets are elements 0 .. 2 * leaf_count - 1, as their slots; nodes follow, finer ones first, the
+ * Facets are the first elements, by their numbers; nodes follow, finer ones first, the
  * root last. A node's children follow each other.
  */
 #ifndef SURFACE_TREE_H
@@ -33,7 +33,7 @@ typedef struct gw_surface_piece {
 
 typedef struct gw_surface_tree {
 	gw_surface_piece *piece; /* count */
-	uint32_t slots, count;
+	uint32_t facets, count;
 	uint32_t *level_first; /* level_count + 1: nodes of 2^(1 + level) leaf cells a side */
 	uint32_t level_count;
 } gw_surface_tree;
@@ -45,7 +45,7 @@ void gw_surface_tree_clear(gw_surface_tree *tree);
 
 /*
  * Pulls radiance up: of each node the mean over its surface.
- *   radiance   4 * count; that of the slots is there
+ *   radiance   4 * count; that of the facets is there
  */
 void gw_surface_tree_pull(const gw_surface_tree *tree, uint32_t threads, float *radiance);
 

@@ -21,7 +21,7 @@
 typedef struct parting {
 	const gw_surfels *surfels;
 	const gw_octree *octree;
-	const uint32_t *first, *fragment;
+	const uint32_t *leaf, *first, *fragment;
 	float *weight;   /* one a fragment */
 	float *centre;   /* 4 a facet, area last */
 	float *emission; /* 4 a facet; NULL where nothing emits */
@@ -35,19 +35,14 @@ static bool looks_elsewhere(const parting *p, size_t surfel, uint32_t label)
 		   gw_compartment_of_surfel(p->octree, surfel, true) != label;
 }
 
-/* Is a fragment a piece of a facet's surface? */
-static bool is_of_facet(uint32_t word, size_t facet)
-{
-	return (word & GW_FRAGMENT_ROI) == 0 && ((word & GW_FRAGMENT_FACET) != 0) == (facet % 2 != 0);
-}
-
 /* Takes its weight from a facet's fragments that are of other compartments. */
 static bool leave_out(const parting *p, size_t facet)
 {
 	uint32_t label = gw_compartments_of_facets(p->octree)[facet];
+	size_t leaf = gw_facet_leaf(p->leaf[facet]);
 	bool any = false;
-	for (uint32_t f = p->first[facet / 2]; f < p->first[facet / 2 + 1]; f++) {
-		if (p->weight[f] == 0.0f || !is_of_facet(p->fragment[f], facet) ||
+	for (uint32_t f = p->first[leaf]; f < p->first[leaf + 1]; f++) {
+		if (p->weight[f] == 0.0f || !gw_facet_holds(p->leaf[facet], p->fragment[f]) ||
 			!looks_elsewhere(p, p->fragment[f] & GW_FRAGMENT_SURFEL, label))
 			continue;
 		p->weight[f] = 0.0f;
@@ -59,9 +54,10 @@ static bool leave_out(const parting *p, size_t facet)
 /* Makes a facet's area and emission those of the surfels that still weigh something. */
 static void add_up_again(const parting *p, size_t facet)
 {
+	size_t leaf = gw_facet_leaf(p->leaf[facet]);
 	double sum[4] = { 0 };
-	for (uint32_t f = p->first[facet / 2]; f < p->first[facet / 2 + 1]; f++) {
-		if (!is_of_facet(p->fragment[f], facet))
+	for (uint32_t f = p->first[leaf]; f < p->first[leaf + 1]; f++) {
+		if (!gw_facet_holds(p->leaf[facet], p->fragment[f]))
 			continue;
 		size_t surfel = p->fragment[f] & GW_FRAGMENT_SURFEL;
 		sum[3] += (double)p->weight[f];
@@ -76,15 +72,18 @@ static void add_up_again(const parting *p, size_t facet)
 static gw_status part_all(gw_gpu *gpu, parting *p, gw_error *error)
 {
 	const gw_octree *o = p->octree;
-	gw_view first = { 0 }, fragment = { 0 };
+	gw_view leaf = { 0 }, first = { 0 }, fragment = { 0 };
 	gw_status status =
 		gw_view_open(gpu, &o->leaf_fragment, 4 * ((uint64_t)o->leaf_count + 1), &first, error);
 	if (status == GW_OK)
+		status = gw_view_open(gpu, &o->facet_leaf, 4 * (uint64_t)o->facet_count, &leaf, error);
+	if (status == GW_OK)
 		status = gw_view_open(gpu, &o->fragment_surfel, 4 * (uint64_t)o->fragment_count, &fragment,
 							  error);
+	p->leaf = leaf.bytes;
 	p->first = first.bytes;
 	p->fragment = fragment.bytes;
-	for (size_t facet = 0; facet < 2 * (size_t)o->leaf_count && status == GW_OK; facet++) {
+	for (size_t facet = 0; facet + 1 < o->facet_count && status == GW_OK; facet++) {
 		if (!leave_out(p, facet))
 			continue;
 		add_up_again(p, facet);
@@ -92,6 +91,7 @@ static gw_status part_all(gw_gpu *gpu, parting *p, gw_error *error)
 	}
 	gw_view_close(&fragment);
 	gw_view_close(&first);
+	gw_view_close(&leaf);
 	return status;
 }
 

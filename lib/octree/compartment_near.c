@@ -17,9 +17,9 @@ typedef struct near_leaves {
 } near_leaves;
 
 /* Does a leaf lie before the planes of all surfels that count in it? */
-static bool is_before(const near_leaves *n, uint32_t leaf)
+static bool is_before(const near_leaves *n, size_t leaf)
 {
-	const int32_t *cell = (const int32_t *)n->cell.bytes + 4 * (size_t)leaf;
+	const int32_t *cell = (const int32_t *)n->cell.bytes + 4 * leaf;
 	const uint32_t *first = n->leaves.first.bytes, *fragment = n->leaves.fragment.bytes;
 	for (uint32_t f = first[leaf]; f < first[leaf + 1]; f++) {
 		size_t surfel = 4 * (size_t)(fragment[f] & GW_FRAGMENT_SURFEL);
@@ -36,7 +36,8 @@ static void open_near_leaves(const near_leaves *n, uint32_t leaf_tiles, gw_compa
 {
 	const uint32_t *tile = n->leaves.tile.bytes;
 	for (uint32_t t = 0; t < leaf_tiles; t++) {
-		uint32_t leaf = tile[2 * t], bits = tile[2 * t + 1];
+		uint32_t bits = tile[2 * t + 1];
+		size_t leaf = gw_leaf_views_first(&n->leaves, t);
 		for (uint32_t octant = 0; octant < 8; octant++) {
 			if ((bits >> octant & 1u) == 0)
 				continue;

@@ -100,7 +100,7 @@ static void find_rims(const narrows *n, uint32_t leaf_tiles, const views *v)
 	const uint32_t *tile = v->leaves.tile.bytes, *first = v->leaves.first.bytes;
 	const uint32_t *fragment = v->leaves.fragment.bytes;
 	for (uint32_t t = 0; t < leaf_tiles; t++) {
-		uint32_t leaf = tile[2 * t];
+		size_t leaf = gw_leaf_views_first(&v->leaves, t);
 		for (uint32_t octant = 0; octant < 8; octant++) {
 			bool rim = (tile[2 * t + 1] >> octant & 1u) == 0;
 			for (uint32_t f = rim ? 0 : first[leaf]; !rim && f < first[leaf + 1]; f++)

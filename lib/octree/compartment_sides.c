@@ -74,7 +74,7 @@ typedef struct sight {
 	gw_compartments *c;
 	const float *position, *normal, *size; /* 4 a surfel */
 	const float *plane;                    /* 4 a facet */
-	const uint32_t *leaf_tile, *leaf_fragment, *fragment_surfel;
+	const uint32_t *leaf_tile, *facet_leaf, *leaf_fragment, *fragment_surfel;
 	const uint32_t *known; /* 2 a surfel */
 	uint32_t *to;          /* likewise */
 	uint32_t *leaf_label;  /* 2 a leaf: the label of all its surfels that have one, MANY, or NONE;
@@ -90,7 +90,7 @@ typedef struct sight {
 #define NONE GW_COMPARTMENT_UNKNOWN
 
 typedef struct views {
-	gw_view position, normal, size, plane, leaf_tile, leaf_fragment, fragment_surfel;
+	gw_view position, normal, size, plane, leaf_tile, facet_leaf, leaf_fragment, fragment_surfel;
 } views;
 
 static float dot(const float a[3], const float b[3])
@@ -100,7 +100,7 @@ static float dot(const float a[3], const float b[3])
 
 /* The leaves of the eight cells of a tile. */
 typedef struct octet {
-	uint32_t first, there; /* the first leaf; a bit for each cell that is one */
+	uint32_t first, tile[2]; /* the first leaf; what leaf_tile says */
 } octet;
 
 /* Those of the tile of a cell. */
@@ -108,20 +108,31 @@ static octet octet_of(const sight *s, const int32_t cell[3])
 {
 	for (int k = 0; k < 3; k++)
 		if (cell[k] < 0 || cell[k] >= 1 << s->c->depth)
-			return (octet){ 0, 0 };
+			return (octet){ .first = 0 };
 	uint32_t tile = gw_compartment_leaf_tile(s->c, cell);
 	if (tile == 0)
-		return (octet){ 0, 0 };
-	return (octet){ s->leaf_tile[2 * (tile - 1)], s->leaf_tile[2 * (tile - 1) + 1] };
+		return (octet){ .first = 0 };
+	const uint32_t *of = s->leaf_tile + 2 * (tile - 1);
+	return (octet){ (uint32_t)gw_facet_leaf(s->facet_leaf[of[0]]), { of[0], of[1] } };
+}
+
+static uint32_t octant_of(const int32_t cell[3])
+{
+	return (uint32_t)((cell[0] & 1) | (cell[1] & 1) << 1 | (cell[2] & 1) << 2);
+}
+
+/* Is a cell of it a leaf? */
+static bool is_leaf(const octet *o, const int32_t cell[3])
+{
+	return (o->tile[1] >> octant_of(cell) & 1u) != 0;
 }
 
 /* The leaf of a cell of it, or none. */
 static uint32_t leaf_in(const octet *o, const int32_t cell[3])
 {
-	uint32_t octant = (uint32_t)((cell[0] & 1) | (cell[1] & 1) << 1 | (cell[2] & 1) << 2);
-	if ((o->there >> octant & 1u) == 0)
+	if (!is_leaf(o, cell))
 		return GW_WALL;
-	uint32_t before = o->there & ((1u << octant) - 1u);
+	uint32_t before = o->tile[1] & ((1u << octant_of(cell)) - 1u);
 	return o->first + (uint32_t)__builtin_popcount(before);
 }
 
@@ -163,11 +174,13 @@ static bool enter_cell(const float place[3], int32_t cell[3])
 static bool goes_behind(const sight *s, const int32_t cell[3], const float normal[3],
 						const float from[3], const float to[3])
 {
-	uint32_t leaf = leaf_of(s, cell);
-	if (leaf == GW_WALL)
+	const octet o = octet_of(s, cell);
+	if (!is_leaf(&o, cell))
 		return false;
-	for (uint32_t slot = 2 * leaf; slot < 2 * leaf + 2; slot++) {
-		const float *plane = s->plane + 4 * (size_t)slot;
+	uint32_t facet = gw_facet_first(o.tile, octant_of(cell));
+	uint32_t end = facet + 1 + (o.tile[1] >> (16 + octant_of(cell)) & 1u);
+	for (; facet < end; facet++) {
+		const float *plane = s->plane + 4 * (size_t)facet;
 		float before[3], after[3], facing = dot(plane, normal);
 		for (int k = 0; k < 3; k++) {
 			before[k] = from[k] - (float)cell[k] - 0.5f;
@@ -352,7 +365,7 @@ static void find_tiles_around(const sight *s, const int32_t cell[3], int side, t
 		const int32_t at[3] = { 2 * low[0] + 2 * (t & 1), 2 * low[1] + (t & 2),
 								2 * low[2] + (t >> 1 & 2) };
 		const octet of = a->of[t] = octet_of(s, at);
-		uint32_t leaves = (uint32_t)__builtin_popcount(of.there & 0xffu);
+		uint32_t leaves = (uint32_t)__builtin_popcount(of.tile[1] & 0xffu);
 		for (uint32_t i = 0; s->leaf_label && i < leaves; i++)
 			a->label =
 				label_with(a->label, s->leaf_label[2 * (size_t)(of.first + i) + (size_t)side]);
@@ -686,8 +699,9 @@ static gw_status open_views(gw_gpu *gpu, const gw_octree *o, views *v, gw_error 
 		{ &o->surfel_position, o->surfel_position.bytes, &v->position },
 		{ &o->surfel_normal, o->surfel_normal.bytes, &v->normal },
 		{ &o->surfel_disc, o->surfel_disc.bytes, &v->size },
-		{ &o->facet_plane, 32 * (uint64_t)o->leaf_count, &v->plane },
+		{ &o->facet_plane, 16 * (uint64_t)o->facet_count, &v->plane },
 		{ &o->leaf_tile, 8 * (uint64_t)o->leaf_tile_count, &v->leaf_tile },
+		{ &o->facet_leaf, 4 * (uint64_t)o->facet_count, &v->facet_leaf },
 		{ &o->leaf_fragment, 4 * ((uint64_t)o->leaf_count + 1), &v->leaf_fragment },
 		{ &o->fragment_surfel, 4 * (uint64_t)o->fragment_count, &v->fragment_surfel },
 	};
@@ -703,9 +717,9 @@ void gw_compartments_drop_rest(gw_gpu *gpu, gw_octree *o)
 								&o->ray_directory, &o->level_directory, &o->facet_centre,
 								&o->leaf_geometry, &o->facet_albedo,    &o->facet_emission,
 								&o->surfel_clip,   &o->fragment_weight, &o->disc_tree };
-	gw_buffer *const of_views[] = { &o->surfel_position, &o->surfel_normal, &o->surfel_disc,
-									&o->facet_plane,     &o->leaf_tile,     &o->leaf_fragment,
-									&o->fragment_surfel };
+	gw_buffer *const of_views[] = { &o->surfel_position, &o->surfel_normal,  &o->surfel_disc,
+									&o->facet_plane,     &o->leaf_tile,      &o->facet_leaf,
+									&o->leaf_fragment,   &o->fragment_surfel };
 	for (size_t i = 0; i < sizeof rest / sizeof *rest; i++)
 		gw_buffer_destroy(gpu, rest[i]);
 	for (size_t i = 0; i < sizeof of_views / sizeof *of_views && !gw_compartments_several(o); i++)
@@ -714,8 +728,10 @@ void gw_compartments_drop_rest(gw_gpu *gpu, gw_octree *o)
 
 static void close_views(views *v)
 {
-	gw_view *const all[] = { &v->position,  &v->normal,        &v->size,           &v->plane,
-							 &v->leaf_tile, &v->leaf_fragment, &v->fragment_surfel };
+	gw_view *const all[] = {
+		&v->position,  &v->normal,     &v->size,          &v->plane,
+		&v->leaf_tile, &v->facet_leaf, &v->leaf_fragment, &v->fragment_surfel
+	};
 	for (size_t i = 0; i < sizeof all / sizeof *all; i++)
 		gw_view_close(all[i]);
 }
@@ -729,6 +745,7 @@ static sight sight_of(gw_compartments *c, const gw_octree *octree, const views *
 					.size = v->size.bytes,
 					.plane = v->plane.bytes,
 					.leaf_tile = v->leaf_tile.bytes,
+					.facet_leaf = v->facet_leaf.bytes,
 					.leaf_fragment = v->leaf_fragment.bytes,
 					.fragment_surfel = v->fragment_surfel.bytes,
 					.steps = STEPS };
@@ -814,24 +831,23 @@ gw_status gw_compartments_of_places(const gw_passes *passes, const gw_octree *oc
 gw_status gw_compartments_label_facets(gw_gpu *gpu, gw_octree *octree, gw_error *error)
 {
 	views v = { 0 };
-	uint32_t *label = gw_allocate_array(octree->leaf_count, 2 * sizeof *label);
+	uint32_t *label = gw_allocate_array(octree->facet_count, sizeof *label);
 	if (label == NULL)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the compartments of %u leaves",
-					   octree->leaf_count);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the compartments of %u facets",
+					   octree->facet_count);
 	gw_status status = open_views(gpu, octree, &v, error);
 	const uint32_t *first = v.leaf_fragment.bytes, *fragment = v.fragment_surfel.bytes;
+	const uint32_t *leaf_of_facet = v.facet_leaf.bytes;
 	const float *normal = v.normal.bytes;
-	for (size_t leaf = 0; leaf < octree->leaf_count && status == GW_OK; leaf++) {
-		votes of[2];
-		of[0].used = of[1].used = 0;
+	for (size_t i = 0; i < octree->facet_count && status == GW_OK; i++) {
+		size_t leaf = gw_facet_leaf(leaf_of_facet[i]);
+		votes of = { .used = 0 };
 		for (uint32_t f = first[leaf]; f < first[leaf + 1]; f++) {
 			size_t surfel = fragment[f] & GW_FRAGMENT_SURFEL;
-			if ((fragment[f] & GW_FRAGMENT_ROI) == 0 && !(normal[4 * surfel + 3] > 0.5f))
-				vote(&of[(fragment[f] & GW_FRAGMENT_FACET) != 0],
-					 gw_compartment_of_surfel(octree, surfel, false), 1);
+			if (gw_facet_holds(leaf_of_facet[i], fragment[f]) && !(normal[4 * surfel + 3] > 0.5f))
+				vote(&of, gw_compartment_of_surfel(octree, surfel, false), 1);
 		}
-		label[2 * leaf] = winner(&of[0]);
-		label[2 * leaf + 1] = winner(&of[1]);
+		label[i] = winner(&of);
 	}
 	close_views(&v);
 	if (status != GW_OK)

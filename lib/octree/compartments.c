@@ -21,6 +21,8 @@ gw_status gw_leaf_views_open(gw_gpu *gpu, const gw_octree *octree, gw_leaf_views
 	*views = (gw_leaf_views){ 0 };
 	GW_TRY(gw_view_open(gpu, &octree->leaf_tile, 8 * (uint64_t)octree->leaf_tile_count,
 						&views->tile, error));
+	GW_TRY(gw_view_open(gpu, &octree->facet_leaf, 4 * (uint64_t)octree->facet_count, &views->leaf,
+						error));
 	GW_TRY(gw_view_open(gpu, &octree->leaf_fragment, 4 * ((uint64_t)octree->leaf_count + 1),
 						&views->first, error));
 	return gw_view_open(gpu, &octree->fragment_surfel, 4 * (uint64_t)octree->fragment_count,
@@ -30,6 +32,7 @@ gw_status gw_leaf_views_open(gw_gpu *gpu, const gw_octree *octree, gw_leaf_views
 void gw_leaf_views_close(gw_leaf_views *views)
 {
 	gw_view_close(&views->tile);
+	gw_view_close(&views->leaf);
 	gw_view_close(&views->first);
 	gw_view_close(&views->fragment);
 }

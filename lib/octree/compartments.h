@@ -79,7 +79,7 @@ typedef struct gw_surface_places {
 gw_status gw_compartments_of_places(const gw_passes *passes, const gw_octree *octree,
 									const gw_surface_places *of, uint32_t *label, gw_error *error);
 
-/* That which each facet faces, 2 * leaves; unknown for those with two sides. There are several. */
+/* That which each facet faces, facet_count; unknown for those with two sides. There are several. */
 const uint32_t *gw_compartments_of_facets(const gw_octree *octree);
 
 #endif

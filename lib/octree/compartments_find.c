@@ -44,11 +44,13 @@ static void take_tree(const gw_octree *octree, const uint32_t *node, gw_compartm
 }
 
 /* Leaves in which all surface lets light through are no walls. */
-static void open_leaves(const gw_surfels *surfels, const uint32_t *leaf_tile, uint32_t leaf_tiles,
-						const uint32_t *first, const uint32_t *fragment, gw_compartments *c)
+static void open_leaves(const gw_surfels *surfels, const gw_leaf_views *views, uint32_t leaf_tiles,
+						gw_compartments *c)
 {
+	const uint32_t *leaf_tile = views->tile.bytes, *first = views->first.bytes;
+	const uint32_t *fragment = views->fragment.bytes;
 	for (uint32_t t = 0; t < leaf_tiles; t++) {
-		uint32_t leaf = leaf_tile[2 * t];
+		size_t leaf = gw_leaf_views_first(views, t);
 		for (uint32_t octant = 0; octant < 8; octant++) {
 			if ((leaf_tile[2 * t + 1] >> octant & 1u) == 0)
 				continue;
@@ -68,8 +70,7 @@ static gw_status find_open_leaves(gw_gpu *gpu, const gw_octree *octree, const gw
 	gw_leaf_views views;
 	gw_status status = gw_leaf_views_open(gpu, octree, &views, error);
 	if (status == GW_OK)
-		open_leaves(surfels, views.tile.bytes, octree->leaf_tile_count, views.first.bytes,
-					views.fragment.bytes, c);
+		open_leaves(surfels, &views, octree->leaf_tile_count, c);
 	gw_leaf_views_close(&views);
 	return status;
 }

@@ -54,7 +54,7 @@ void gw_compartments_list(gw_octree *octree, size_t surfels,
 		{ "leaves of compartments", &c->leaves, octree->leaf_tile_count, false },
 		{ "compartments of cells", &c->label, 4 * ((uint64_t)c->cells + 1), true },
 		{ "compartments of surfels", &c->sides, 8 * (uint64_t)surfels, true },
-		{ "compartments of facets", &octree->facet_compartment, 8 * (uint64_t)octree->leaf_count,
+		{ "compartments of facets", &octree->facet_compartment, 4 * (uint64_t)octree->facet_count,
 		  true },
 	};
 	for (size_t i = 0; i < GW_COMPARTMENTS_ARRAYS; i++)

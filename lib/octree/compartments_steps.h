@@ -60,16 +60,23 @@ static inline float gw_cell_before_plane(const float *place, const float *normal
 	return off;
 }
 
-/* What lies in the leaves of an octree: their tiles, the first fragment of each leaf, the surfels
- * of fragments. */
+/* What lies in the leaves of an octree: their tiles, the leaves of facets, the first fragment of
+ * each leaf, the surfels of fragments. */
 typedef struct gw_leaf_views {
-	gw_view tile, first, fragment;
+	gw_view tile, leaf, first, fragment;
 } gw_leaf_views;
 
 /* views: to be closed by the caller, on failure too */
 gw_status gw_leaf_views_open(gw_gpu *gpu, const gw_octree *octree, gw_leaf_views *views,
 							 gw_error *error);
 void gw_leaf_views_close(gw_leaf_views *views);
+
+/* The first leaf of a tile that has some. */
+static inline size_t gw_leaf_views_first(const gw_leaf_views *views, size_t tile)
+{
+	return gw_facet_leaf(
+		((const uint32_t *)views->leaf.bytes)[((const uint32_t *)views->tile.bytes)[2 * tile]]);
+}
 
 /* Frees what is not needed where there is but one compartment. */
 void gw_compartments_drop_cells(gw_compartments *c);

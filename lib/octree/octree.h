@@ -22,6 +22,7 @@
 #include "device/gpu.h"
 #include "cloud/surfels.h"
 #include "normals/disc_tree.h"
+#include "octree/octree_layout.h"
 
 #include <math.h>
 
@@ -46,6 +47,8 @@ typedef struct gw_octree {
 	uint32_t directory_level;
 
 	uint32_t leaf_count;
+	/* numbers of facets, of which the last is the empty one */
+	uint32_t facet_count;
 	/* with border tiles */
 	uint32_t leaf_tile_count;
 	/* non-leaf tiles of all levels, with border tiles */
@@ -55,9 +58,9 @@ typedef struct gw_octree {
 	uint32_t fragment_count;
 	/* surfels whose disc is larger than leaves hold, and nodes of their tree */
 	uint32_t tree_discs, tree_nodes;
-	/* 0 where all is opaque; else 1 + a slot that no facet has, and which sends out nothing: what
+	/* 0 where all is opaque; else 1 + the number of the empty facet, which sends out nothing: what
 	 * rays find that are stopped by the back of a surface that others pass */
-	uint32_t dark_slot;
+	uint32_t dark_facet;
 	/* tiles of level l (whose nodes are of level l) are tile_first[l] .. tile_first[l + 1] -
 	 * 1; l = 1..depth - 1 */
 	uint32_t tile_first[GW_DEPTH_MAX + 2];
@@ -74,9 +77,9 @@ typedef struct gw_octree {
 	gw_buffer leaf_tile_key;
 	/* R32_UINT, 8 * leaf_tile_count, as tile_neighbour */
 	gw_buffer leaf_tile_neighbour;
-	/* R32G32_UINT, leaf_tile_count: x = index of its first leaf, y = bit field: bits 0-7 leaf
-	 * exists, bits 8-15 it has a first facet, 16-23 a second one, 24-31 its facets' surface fills
-	 * it */
+	/* R32G32_UINT, leaf_tile_count: x = number of its first leaf's first facet (0 where it has no
+	 * leaves), y = bit field: bits 0-7 leaf exists, bits 8-15 it has a first facet, 16-23 a second
+	 * one, 24-31 its facets' surface fills it */
 	gw_buffer leaf_tile;
 	/* R32G32B32A32_UINT, leaf_count: cell x, y, z and leaf tile */
 	gw_buffer leaf_cell;
@@ -91,14 +94,19 @@ typedef struct gw_octree {
 	/* R32_UINT, 8^T */
 	gw_buffer ray_directory;
 
-	/* Leaves. A leaf holds at most two facets: planes with the mean of what lies in the leaf. Slot
-	 * 2 * leaf + s; unused slots are zero. */
+	/* Leaves. A leaf holds at most two facets: planes with the mean of what lies in the leaf. They
+	 * are numbered in the order of leaves, a second one after the first one of its leaf; every leaf
+	 * has a number for its first facet, which is all zero where it holds none. Behind them comes
+	 * the empty facet, which is all zero, too, and counts as the second one of a leaf that holds
+	 * none, if there is such a leaf, so that it has no fragments. */
+	/* R32_UINT, facet_count: bits 0-30 the leaf, bit 31 whether it is that one's second */
+	gw_buffer facet_leaf;
 	/* R32G32B32A32_SFLOAT, 2 * leaf_count: by RoI intersection volume (Salm 4.3.4): [2i] =
 	 * albedo rgb times opacity, opacity (may exceed 1, see there); [2i+1] = NDF xyz times
 	 * opacity, 0; none of octrees without regions */
 	gw_buffer leaf_geometry;
-	/* R32G32B32A32_SFLOAT, 2 * leaf_count: unit normal n, offset c; the plane is n . (g - cell
-	 * centre) = c, in leaf cells */
+	/* R32G32B32A32_SFLOAT, facet_count, as the next three: unit normal n, offset c; the plane is
+	 * n . (g - cell centre) = c, in leaf cells */
 	gw_buffer facet_plane;
 	/* R32G32B32A32_SFLOAT: centroid in grid coordinates, area in leaf cells^2 */
 	gw_buffer facet_centre;
@@ -134,7 +142,7 @@ typedef struct gw_octree {
 
 	/* Large discs. Such a surfel contributes all of its area to the leaf of its centre, so that
 	 * there is a facet that stands for it; where its surface is, only this tree knows. */
-	/* R32G32B32A32_UINT: see disc_tree.h; coordinates of the grid, facets are slots. One texel, 0,
+	/* R32G32B32A32_UINT: see disc_tree.h; coordinates of the grid, numbers of facets. One texel, 0,
 	 * when there are none */
 	gw_buffer disc_tree;
 
@@ -145,8 +153,33 @@ typedef struct gw_octree {
 	 * buffers are kept then. */
 	struct gw_compartments *compartments;
 	struct gw_octree *coarser;
-	uint32_t *facet_compartment; /* 2 * leaves: what facets face; NULL where there is but one */
+	uint32_t *facet_compartment; /* facet_count: what they face; NULL where there is but one */
 } gw_octree;
+
+/* The leaf of a facet, of which that is in facet_leaf; and whether it is the second one there. */
+static inline size_t gw_facet_leaf(uint32_t word)
+{
+	return word & GW_FACET_LEAF;
+}
+
+static inline bool gw_facet_is_second(uint32_t word)
+{
+	return (word & GW_FACET_SECOND) != 0;
+}
+
+/* Has a fragment joined such a facet of its leaf, as one of its discs? */
+static inline bool gw_facet_holds(uint32_t word, uint32_t fragment)
+{
+	return (fragment & GW_FRAGMENT_ROI) == 0 &&
+		   ((fragment & GW_FRAGMENT_FACET) != 0) == gw_facet_is_second(word);
+}
+
+/* The number of the first facet of a leaf, of which tile holds what leaf_tile has of its tile. */
+static inline uint32_t gw_facet_first(const uint32_t tile[2], uint32_t octant)
+{
+	uint32_t below = (1u << octant) - 1u;
+	return tile[0] + (uint32_t)__builtin_popcount(tile[1] & (below | below << 16));
+}
 
 /* The opacity of a facet, of which w is that of its facet_albedo. */
 static inline float gw_facet_opacity(float w)
@@ -195,6 +228,11 @@ gw_status gw_octree_build_task(gw_gpu *gpu, const gw_octree_task *task, gw_octre
 gw_status gw_octree_build(gw_gpu *gpu, const gw_surfels *surfels, uint32_t depth, gw_octree *octree,
 						  gw_error *error);
 void gw_octree_destroy(gw_gpu *gpu, gw_octree *octree);
+
+/* Whether facets have such numbers as the octree says: these are the words of its facet_leaf and
+ * leaf_tile, of which each is within its bounds. */
+bool gw_octree_numbers_fit(const gw_octree *octree, const uint32_t *facet_leaf,
+						   const uint32_t *leaf_tile);
 
 /* Drops tile_neighbour and leaf_tile_neighbour: with compartments found only cones need them. */
 void gw_octree_drop_neighbours(gw_gpu *gpu, gw_octree *octree);

@@ -10,7 +10,7 @@
  * planes that stick out over edges cost more light than cracks do. */
 #define PLANE_OVERLAP 0.1f
 
-enum { DEPTH, DIRECTORY_LEVEL, OVERLAP, HAS_LARGE_DISCS, DARK_SLOT };
+enum { DEPTH, DIRECTORY_LEVEL, OVERLAP, HAS_LARGE_DISCS, DARK_FACET };
 
 void gw_octree_passes(gw_passes *passes, gw_gpu *gpu, const gw_octree *octree)
 {
@@ -19,12 +19,12 @@ void gw_octree_passes(gw_passes *passes, gw_gpu *gpu, const gw_octree *octree)
 						   .constant = { [DEPTH] = octree->depth,
 										 [DIRECTORY_LEVEL] = octree->directory_level,
 										 [HAS_LARGE_DISCS] = octree->tree_discs > 0,
-										 [DARK_SLOT] = octree->dark_slot } };
+										 [DARK_FACET] = octree->dark_facet } };
 	memcpy(&passes->constant[OVERLAP], &overlap, sizeof overlap);
 }
 
 bool gw_octree_passes_fit(const gw_passes *passes, const gw_octree *octree)
 {
 	return passes->constant[HAS_LARGE_DISCS] == (octree->tree_discs > 0) &&
-		   passes->constant[DARK_SLOT] == octree->dark_slot;
+		   passes->constant[DARK_FACET] == octree->dark_facet;
 }

@@ -25,5 +25,7 @@ bool gw_octree_passes_fit(const gw_passes *passes, const gw_octree *octree);
 #define GW_TREE_BINDING(octree) gw_whole(&(octree)->disc_tree)
 /* And opacity.glsl, after that. */
 #define GW_OPACITY_BINDING(octree) gw_whole(&(octree)->facet_albedo)
+/* And octree_discs.glsl once more, at the very end: which leaf a facet is of. */
+#define GW_LEAF_BINDING(octree) gw_whole(&(octree)->facet_leaf)
 
 #endif

@@ -370,6 +370,7 @@ void gw_octree_destroy(gw_gpu *gpu, gw_octree *octree)
 		&octree->level_directory,
 		&octree->ray_directory,
 		&octree->leaf_geometry,
+		&octree->facet_leaf,
 		&octree->facet_plane,
 		&octree->facet_centre,
 		&octree->facet_albedo,

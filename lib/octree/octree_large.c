@@ -28,30 +28,36 @@ bool gw_octree_disc_is_large(const gw_octree *octree, const gw_surfels *surfels,
 		   (float)((double)surfels->radius[surfel] / leaf) > gw_octree_disc_most(surfels);
 }
 
-static void enter_facets(size_t leaves, const uint32_t *first, const uint32_t *surfel,
-						 uint32_t *facet)
+static void enter_facets(const gw_octree *octree, const uint32_t *leaf_of, const uint32_t *first,
+						 const uint32_t *surfel, uint32_t *facet)
 {
-	for (size_t leaf = 0; leaf < leaves; leaf++)
+	for (uint32_t i = 0; i < octree->facet_count; i++) {
+		size_t leaf = gw_facet_leaf(leaf_of[i]);
 		for (uint32_t f = first[leaf]; f < first[leaf + 1]; f++) {
 			uint32_t *own = facet + (surfel[f] & GW_FRAGMENT_SURFEL);
-			if ((surfel[f] & GW_FRAGMENT_ROI) == 0 && *own == GW_NONE)
-				*own = (uint32_t)(2 * leaf) + ((surfel[f] & GW_FRAGMENT_FACET) != 0);
+			if (gw_facet_holds(leaf_of[i], surfel[f]) && *own == GW_NONE)
+				*own = i;
 		}
+	}
 }
 
 /* Enters the facets that stand for surfels: those of their first disc fragments. */
 static gw_status find_facets(gw_octree_work *work, uint32_t *facet, gw_error *error)
 {
 	const gw_octree *octree = work->octree;
-	gw_view first = { 0 }, surfel = { 0 };
+	gw_view first = { 0 }, surfel = { 0 }, leaf = { 0 };
 	gw_status status = gw_view_open(work->gpu, &octree->leaf_fragment,
 									4 * ((uint64_t)octree->leaf_count + 1), &first, error);
+	if (status == GW_OK)
+		status = gw_view_open(work->gpu, &octree->facet_leaf, 4 * (uint64_t)octree->facet_count,
+							  &leaf, error);
 	if (status == GW_OK)
 		status = gw_view_open(work->gpu, &octree->fragment_surfel,
 							  4 * (uint64_t)octree->fragment_count, &surfel, error);
 	if (status == GW_OK)
-		enter_facets(octree->leaf_count, first.bytes, surfel.bytes, facet);
+		enter_facets(octree, leaf.bytes, first.bytes, surfel.bytes, facet);
 	gw_view_close(&first);
+	gw_view_close(&leaf);
 	gw_view_close(&surfel);
 	return status;
 }

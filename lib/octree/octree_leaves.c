@@ -41,13 +41,14 @@ static gw_status create_seeds(gw_octree_work *work, gw_error *error)
 static gw_status create_facets(gw_octree_work *work, gw_error *error)
 {
 	gw_octree *octree = work->octree;
-	uint64_t leaves = octree->leaf_count, cells = UINT64_C(1) << 3 * octree->directory_level;
+	uint64_t facets = 16 * (uint64_t)octree->facet_count;
+	uint64_t cells = UINT64_C(1) << 3 * octree->directory_level;
 	VkFormat floats = VK_FORMAT_R32G32B32A32_SFLOAT;
-	uint64_t emission = gw_surfels_emit(work->surfels) ? 32 * leaves : 16;
+	uint64_t emission = gw_surfels_emit(work->surfels) ? facets : 16;
 	const gw_octree_part part[] = {
-		{ &octree->facet_plane, floats, 32 * leaves, "planes of facets" },
-		{ &octree->facet_centre, floats, 32 * leaves, "centroids of facets" },
-		{ &octree->facet_albedo, floats, 32 * leaves, "albedos of facets" },
+		{ &octree->facet_plane, floats, facets, "planes of facets" },
+		{ &octree->facet_centre, floats, facets, "centroids of facets" },
+		{ &octree->facet_albedo, floats, facets, "albedos of facets" },
 		{ &octree->facet_emission, floats, emission, "emission of facets" },
 		{ &work->ray_mark, VK_FORMAT_R32_UINT, 4 * cells, "marked cells" },
 	};
@@ -57,7 +58,7 @@ static gw_status create_facets(gw_octree_work *work, gw_error *error)
 /* Facets' emission; when there is none, a buffer of one texel that the passes leave alone. */
 static gw_binding emission_binding(gw_octree *octree, bool emissive)
 {
-	return emissive ? GW_WINDOW(&octree->facet_emission, 32) : GW_WHOLE(&octree->facet_emission);
+	return emissive ? GW_WINDOW(&octree->facet_emission, 16) : GW_WHOLE(&octree->facet_emission);
 }
 
 /* Seeds of facets, and geometry of leaves. */
@@ -79,6 +80,21 @@ static gw_status find_seeds(gw_octree_work *work, gw_leaves_push push, uint32_t 
 	return GW_OK;
 }
 
+/* Which facet of its leaf each disc fragment joins. */
+static gw_status join_facets(gw_octree_work *work, gw_leaves_push push, uint32_t longest,
+							 gw_error *error)
+{
+	gw_octree *octree = work->octree;
+	gw_binding joining[] = { GW_WHOLE(&octree->leaf_fragment), GW_WHOLE(&octree->surfel_normal),
+							 GW_WHOLE(&octree->fragment_surfel), GW_WINDOW(&work->seed, 16) };
+	for (uint64_t from = 0; from < longest; from += GW_REDUCE_RUN) {
+		push.from = (uint32_t)from;
+		GW_TRY(gw_passes_run(&work->passes, GW_PASS_OCTREE_JOIN, joining, &push, octree->leaf_count,
+							 error));
+	}
+	return GW_OK;
+}
+
 static gw_status add_up_facets(gw_octree_work *work, gw_leaves_push push, uint32_t longest,
 							   gw_error *error)
 {
@@ -94,16 +110,17 @@ static gw_status add_up_facets(gw_octree_work *work, gw_leaves_push push, uint32
 		GW_WHOLE(&work->surfel_emission),
 		GW_WHOLE(&work->surfel_bend),
 		GW_WHOLE(&octree->fragment_surfel),
-		GW_WINDOW(&work->seed, 16),
-		GW_WINDOW(&octree->facet_plane, 32),
-		GW_WINDOW(&octree->facet_centre, 32),
-		GW_WINDOW(&octree->facet_albedo, 32),
+		GW_WHOLE(&work->seed),
+		GW_WHOLE(&octree->facet_leaf),
+		GW_WINDOW(&octree->facet_plane, 16),
+		GW_WINDOW(&octree->facet_centre, 16),
+		GW_WINDOW(&octree->facet_albedo, 16),
 		emission_binding(octree, push.emissive),
 	};
 	for (uint64_t from = 0; from < longest; from += GW_REDUCE_RUN) {
 		push.from = (uint32_t)from;
 		GW_TRY(gw_passes_run(&work->passes, GW_PASS_OCTREE_FACETS, adding, &push,
-							 octree->leaf_count, error));
+							 octree->facet_count - 1, error));
 	}
 	return GW_OK;
 }
@@ -114,18 +131,18 @@ static gw_status finish(gw_octree_work *work, gw_leaves_push push, gw_error *err
 	gw_binding bindings[] = {
 		GW_WHOLE(&octree->leaf_cell),
 		GW_WHOLE(&octree->fragment_surfel),
-		GW_WHOLE(&octree->surfel_position),
+		GW_WHOLE(&octree->facet_leaf),
 		GW_WHOLE(&octree->surfel_normal),
-		GW_WINDOW(&work->seed, 16),
-		GW_WINDOW(&octree->facet_plane, 32),
-		GW_WINDOW(&octree->facet_centre, 32),
-		GW_WINDOW(&octree->facet_albedo, 32),
+		GW_WHOLE(&work->seed),
+		GW_WINDOW(&octree->facet_plane, 16),
+		GW_WINDOW(&octree->facet_centre, 16),
+		GW_WINDOW(&octree->facet_albedo, 16),
 		emission_binding(octree, push.emissive),
 		GW_WHOLE(&octree->leaf_tile),
 		GW_WHOLE(&work->ray_mark),
 	};
-	return gw_passes_run(&work->passes, GW_PASS_OCTREE_FINISH, bindings, &push, octree->leaf_count,
-						 error);
+	return gw_passes_run(&work->passes, GW_PASS_OCTREE_FINISH, bindings, &push,
+						 octree->facet_count - 1, error);
 }
 
 /* The least of the 13 cells around one that come before it in the order of z, y, x; step is -1, and
@@ -209,30 +226,6 @@ static gw_status find_distances(gw_octree_work *work, gw_error *error)
 	return gw_passes_run(&work->passes, GW_PASS_OCTREE_DISTANCE, bindings, &push, cells, error);
 }
 
-/* A slot that no facet has: leaves with two of them are rare. Where all have two, rays see the
- * first one instead. */
-static gw_status find_dark_slot(gw_octree_work *work, gw_error *error)
-{
-	gw_octree *octree = work->octree;
-	gw_view view;
-	octree->dark_slot = 0;
-	if (work->surfels->transparency == NULL)
-		return GW_OK;
-	uint64_t bytes = 32 * (uint64_t)octree->leaf_count;
-	GW_TRY(gw_view_open(work->gpu, &octree->facet_plane, bytes, &view, error));
-	const float *plane = view.bytes;
-	octree->dark_slot = 1;
-	for (size_t slot = 0; slot < 2 * (size_t)octree->leaf_count; slot++) {
-		const float *n = plane + 4 * slot;
-		if (n[0] == 0.0f && n[1] == 0.0f && n[2] == 0.0f) {
-			octree->dark_slot = (uint32_t)slot + 1;
-			break;
-		}
-	}
-	gw_view_close(&view);
-	return GW_OK;
-}
-
 /* What only facets were made of. */
 static void forget_fragments(gw_octree_work *work)
 {
@@ -258,10 +251,11 @@ gw_status gw_octree_reduce_leaves(gw_octree_work *work, gw_error *error)
 	GW_TRY(find_seeds(work, push, longest, error));
 	if (!work->regions)
 		gw_buffer_destroy(work->gpu, &octree->leaf_geometry);
+	GW_TRY(join_facets(work, push, longest, error));
+	GW_TRY(gw_octree_number_facets(work, error));
 	GW_TRY(create_facets(work, error));
 	GW_TRY(add_up_facets(work, push, longest, error));
 	GW_TRY(finish(work, push, error));
 	forget_fragments(work);
-	GW_TRY(find_dark_slot(work, error));
 	return find_distances(work, error);
 }

@@ -5,6 +5,7 @@
  *   octree_merge.c      fragments that are kept, merged with those of surfels that move
  *   octree_tiles.c      leaves, tiles of all levels with border tiles, pointers
  *   octree_leaves.c     what lies in each leaf; the directory of rays
+ *   octree_numbers.c    the numbers of facets
  *   octree_large.c      the tree of discs that are too large for leaves
  *
  * Only these files include it. Every step frees what it took beyond its results when it succeeds;
@@ -154,6 +155,10 @@ gw_status gw_octree_make_tiles(gw_octree_work *work, gw_error *error);
 
 /* Geometry, facets, ray_directory. */
 gw_status gw_octree_reduce_leaves(gw_octree_work *work, gw_error *error);
+
+/* Numbers facets, now that seeds say which leaves have two: facet_count, dark_facet, facet_leaf,
+ * and what leaf tiles say of it. On the host, which does it in one go. */
+gw_status gw_octree_number_facets(gw_octree_work *work, gw_error *error);
 
 /* The largest radius of discs that leaves hold, leaf cells; larger ones are in the tree. */
 float gw_octree_disc_most(const gw_surfels *surfels);

@@ -156,7 +156,8 @@ static gw_status fill(gw_render_octree *o, const gw_reflection *r, gw_gloss_cach
 	const gw_binding rays[] = {
 		GW_TRACE_BINDINGS(t), GW_DISC_BINDINGS(t),     gw_whole(&o->surfel_radiance),
 		gw_whole(&c->place),  gw_whole(&c->facing),    gw_whole(&c->texel),
-		GW_TREE_BINDING(t),   gw_render_octree_sky(o), GW_OPACITY_BINDING(t)
+		GW_TREE_BINDING(t),   gw_render_octree_sky(o), GW_OPACITY_BINDING(t),
+		GW_LEAF_BINDING(t)
 	};
 	const gw_binding mips[] = { gw_whole(&c->texel) };
 	GW_TRY(gw_passes_run(&o->passes, GW_PASS_CACHE_RAYS, rays, &push,

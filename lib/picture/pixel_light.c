@@ -106,7 +106,8 @@ static gw_status run_rays(gw_render_octree *o, const batch *b, const gw_pixels *
 	const gw_binding bindings[] = {
 		GW_TRACE_BINDINGS(t),        GW_DISC_BINDINGS(t),       gw_whole(&o->surfel_radiance),
 		gw_window(&b->position, 16), gw_window(&b->normal, 16), gw_window(&b->result, 16),
-		GW_TREE_BINDING(t),          gw_render_octree_sky(o),   GW_OPACITY_BINDING(t)
+		GW_TREE_BINDING(t),          gw_render_octree_sky(o),   GW_OPACITY_BINDING(t),
+		GW_LEAF_BINDING(t)
 	};
 	for (push.ray = 0; push.ray < r->rays; push.ray++) {
 		GW_TRY(gw_passes_run(&o->passes, GW_PASS_PIXEL_RAYS, bindings, &push, b->count, error));

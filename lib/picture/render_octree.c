@@ -44,18 +44,18 @@ static gw_status upload_radiance(gw_render_octree *o, const gw_surfels *surfels,
 
 static gw_status average_facets(gw_render_octree *o, gw_error *error)
 {
-	uint64_t slots = 2 * (uint64_t)o->octree.leaf_count;
+	uint64_t facets = o->octree.facet_count;
 	GW_TRY(
 		gw_buffer_create(o->gpu,
 						 &(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
-												   16 * slots, "facet radiance" },
+												   16 * facets, "facet radiance" },
 						 &o->facet_radiance, error));
-	const gw_binding bindings[] = { gw_whole(&o->octree.leaf_fragment),
-									gw_whole(&o->octree.fragment_surfel),
-									gw_whole(&o->octree.fragment_weight),
-									gw_whole(&o->surfel_radiance),
-									gw_window(&o->facet_radiance, 16) };
-	return gw_passes_run(&o->passes, GW_PASS_FACET_DIRECT, bindings, &(gw_record_push){ 0 }, slots,
+	const gw_binding bindings[] = {
+		gw_whole(&o->octree.leaf_fragment),   gw_whole(&o->octree.fragment_surfel),
+		gw_whole(&o->octree.fragment_weight), gw_whole(&o->surfel_radiance),
+		gw_window(&o->facet_radiance, 16),    GW_LEAF_BINDING(&o->octree)
+	};
+	return gw_passes_run(&o->passes, GW_PASS_FACET_DIRECT, bindings, &(gw_record_push){ 0 }, facets,
 						 error);
 }
 

@@ -15,7 +15,7 @@ struct gw_render_octree {
 	gw_octree octree;
 	gw_passes passes;
 	gw_buffer surfel_radiance; /* vec4 a surfel */
-	gw_buffer facet_radiance;  /* vec4 a facet slot; the mean of its surfels' */
+	gw_buffer facet_radiance;  /* vec4 a facet; the mean of its surfels' */
 	bool has_bricks;
 	gw_cone_gather bricks;
 	float scale;    /* of the radiance in the bricks */

@@ -43,14 +43,14 @@ vec4 sample_level(vec3 g, vec3 direction, uint up)
 	return sum * (inside.x * inside.y * inside.z / size);
 }
 
-/* Whether something lets light through: 0, or octree.h's dark_slot. */
-layout(constant_id = 5) const uint dark_slot = 0u;
+/* Whether something lets light through: 0, or octree.h's dark_facet. */
+layout(constant_id = 5) const uint dark_facet = 0u;
 
 /* Between sheets of surface what they let through is multiplied; within one, and where all is
  * opaque, areas add up. */
 void end_sheet(inout float filled, inout float through)
 {
-	if (dark_slot == 0u)
+	if (dark_facet == 0u)
 		return;
 	through *= 1.0 - min(filled, 1.0);
 	filled = 0.0;

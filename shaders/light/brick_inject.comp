@@ -9,6 +9,7 @@
 #version 460
 
 #include "light/transport_layout.h"
+#include "octree/octree_numbers.glsl"
 
 layout(local_size_x_id = 0) in;
 layout(binding = 0) uniform usamplerBuffer leaf_tile;
@@ -19,7 +20,7 @@ layout(binding = 4) uniform samplerBuffer facet_radiance;
 layout(binding = 5, rgba16f) uniform writeonly image3D leaf_pool;
 layout(binding = 6) uniform samplerBuffer facet_albedo;
 layout(binding = 7) uniform usamplerBuffer facet_mark; /* if push.apart */
-layout(constant_id = 5) const uint dark_slot = 0u;
+layout(constant_id = 5) const uint dark_facet = 0u;
 layout(push_constant) uniform Push
 {
 	gw_cone_push push;
@@ -27,14 +28,14 @@ layout(push_constant) uniform Push
 
 #include "light/brick_pool.glsl"
 
-bool lets_through(int slot)
+bool lets_through(int facet)
 {
-	return fract(texelFetch(facet_albedo, slot).w) > 0.0;
+	return fract(texelFetch(facet_albedo, facet).w) > 0.0;
 }
 
-bool is_lit_from_both(int slot)
+bool is_lit_from_both(int facet)
 {
-	float sides = floor(texelFetch(facet_albedo, slot).w);
+	float sides = floor(texelFetch(facet_albedo, facet).w);
 	return sides == 1.0 || sides == GW_FACET_FOLIAGE;
 }
 
@@ -44,18 +45,18 @@ bool is_lit_from_both(int slot)
  * too much. But no cone finds more than everything covered, so that the more a facet covers the
  * less of this is too much, and what is opaque needs none of it: of leaning sheets of opacities
  * from 0.1 to 0.9, the power that follows leaves within a tenth of what they cover. */
-float shown_share(int slot)
+float shown_share(int facet)
 {
-	float clear = fract(texelFetch(facet_albedo, slot).w);
-	vec3 leans = abs(texelFetch(facet_plane, slot).xyz);
+	float clear = fract(texelFetch(facet_albedo, facet).w);
+	vec3 leans = abs(texelFetch(facet_plane, facet).xyz);
 	return clear > 0.0 ? (1.0 - clear) / push.gain * pow(leans.x + leans.y + leans.z, -sqrt(clear))
 					   : 1.0;
 }
 
 /* What faces another compartment is met, but dark. */
-bool is_dark(int slot)
+bool is_dark(int facet)
 {
-	uint mark = push.apart != 0u ? texelFetch(facet_mark, slot).x : 0u;
+	uint mark = push.apart != 0u ? texelFetch(facet_mark, facet).x : 0u;
 	return mark != 0u && push.mark != 0u && mark != push.mark;
 }
 
@@ -72,25 +73,24 @@ void main()
 	uint tile = texelFetch(leaf_tile_neighbour, int(8u * brick + side)).x;
 	uvec2 entry = tile == 0u ? uvec2(0u) : texelFetch(leaf_tile, int(tile - 1u)).xy;
 	bool exists = ((entry.y >> (8u + octant)) & 1u) != 0u;
-	uint leaf = entry.x + uint(bitCount(entry.y & ((1u << octant) - 1u)));
 	ivec3 corner = brick_corner(brick, push.leaf_bricks[0], push.leaf_bricks[1]) + ivec3(voxel);
 
 	vec4 radiance[2], back[2];
 	vec3 facing[2];
 	for (uint s = 0u; s < 2u; s++) {
-		int slot = int(2u * leaf + s);
-		bool facet = exists && (s == 0u || ((entry.y >> (16u + octant)) & 1u) != 0u);
-		vec3 sent = facet && !is_dark(slot) ? texelFetch(facet_radiance, slot).xyz : vec3(0.0);
-		radiance[s] = facet ? vec4(sent * push.scale, 1.0) : vec4(0.0);
+		int facet = int(first_facet(entry, octant) + s);
+		bool there = exists && (s == 0u || has_second(entry, octant));
+		vec3 sent = there && !is_dark(facet) ? texelFetch(facet_radiance, facet).xyz : vec3(0.0);
+		radiance[s] = there ? vec4(sent * push.scale, 1.0) : vec4(0.0);
 		facing[s] =
-			facet ? texelFetch(facet_plane, slot).xyz * texelFetch(facet_centre, slot).w
+			there ? texelFetch(facet_plane, facet).xyz * texelFetch(facet_centre, facet).w
 				  : vec3(0.0);
 		back[s] = vec4(0.0);
-		if (dark_slot == 0u || !facet)
+		if (dark_facet == 0u || !there)
 			continue;
-		facing[s] *= shown_share(slot);
-		if (lets_through(slot))
-			back[s] = is_lit_from_both(slot) ? radiance[s] : vec4(0.0, 0.0, 0.0, 1.0);
+		facing[s] *= shown_share(facet);
+		if (lets_through(facet))
+			back[s] = is_lit_from_both(facet) ? radiance[s] : vec4(0.0, 0.0, 0.0, 1.0);
 	}
 	for (int f = 0; f < 6; f++) {
 		vec4 shown = vec4(0.0);

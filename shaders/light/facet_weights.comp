@@ -19,7 +19,7 @@ BUFFER(10, readwrite, uint, row_record);
 BUFFER(11, readwrite, float, row_weight);
 TEXELS(12, float, facet_reach);
 TEXELS(13, uvec4, disc_tree);
-BUFFER(14, readonly, uint, row_slot); /* whose row that is */
+BUFFER(14, readonly, uint, row_facet); /* whose row that is */
 PUSH(gw_lookup_push);
 
 #define ROW_WIDTH GW_WEIGHTS
@@ -32,20 +32,20 @@ void main()
 		return;
 	row = i * ROW_WIDTH;
 	used = 0u;
-	int slot = int(row_slot[i]);
+	int facet = int(row_facet[i]);
 	reach = push.radius;
-	if (push.own_reach != 0u && row_slot[i] != GW_NONE)
-		reach = texelFetch(facet_reach, slot).x;
+	if (push.own_reach != 0u && row_facet[i] != GW_NONE)
+		reach = texelFetch(facet_reach, facet).x;
 	if (reach == 0.0f)
 		return; /* the row stays */
 	for (uint w = row; w < row + ROW_WIDTH; w++) {
 		row_weight[w] = 0.0f;
 		row_record[w] = GW_NONE;
 	}
-	if (row_slot[i] == GW_NONE)
+	if (row_facet[i] == GW_NONE)
 		return;
-	vec4 centre = texelFetch(facet_centre, slot);
-	Seeker seeker = { centre.xyz, texelFetch(facet_plane, slot).xyz, false };
+	vec4 centre = texelFetch(facet_centre, facet);
+	Seeker seeker = { centre.xyz, texelFetch(facet_plane, facet).xyz, false };
 	if (centre.w > 0.0f)
 		find_records(seeker);
 }

@@ -27,6 +27,7 @@ TEXELS(13, vec4, surfel_clip);
 TEXELS(14, uvec4, disc_tree);
 BUFFER(15, readonly, float, distribution);
 TEXELS(16, vec4, facet_albedo);
+BUFFER(17, readonly, uint, facet_leaf);
 PUSH(gw_light_push);
 
 #define TRACE_OPACITY
@@ -37,9 +38,9 @@ PUSH(gw_light_push);
 /* Do most of the discs in the facet's leaf that end there do so at a crease? */
 bool ends_at_crease(uint facet)
 {
-	uint last = texelFetch(leaf_fragment, int(facet >> 1) + 1).x;
+	uint leaf = leaf_of(owner_of(facet).word), last = texelFetch(leaf_fragment, int(leaf) + 1).x;
 	int votes = 0;
-	for (uint f = texelFetch(leaf_fragment, int(facet >> 1)).x; f < last; f++) {
+	for (uint f = texelFetch(leaf_fragment, int(leaf)).x; f < last; f++) {
 		int surfel = int(texelFetch(fragment_surfel, int(f)).x & GW_FRAGMENT_SURFEL);
 		vec4 size = texelFetch(surfel_disc, surfel);
 		if (size.z != 0.0f || size.w != 0.0f)

@@ -22,6 +22,7 @@ TEXELS(14, vec4, surfel_disc);
 TEXELS(15, vec4, surfel_clip);
 TEXELS(16, uvec4, disc_tree);
 TEXELS(17, vec4, facet_albedo);
+BUFFER(18, readonly, uint, facet_leaf);
 PUSH(gw_keep_push);
 
 #define TRACE_OPACITY

@@ -5,6 +5,7 @@
  */
 #version 460
 
+#include "octree/octree_numbers.glsl"
 #include "octree/octree_walk.glsl"
 #include "light/transport_layout.h"
 
@@ -24,6 +25,7 @@ layout(binding = 4) readonly buffer Facet
 	uint record_facet[];
 };
 layout(binding = 5) uniform usamplerBuffer leaf_cell;
+layout(binding = 6) uniform usamplerBuffer facet_leaf;
 layout(push_constant) uniform Push
 {
 	gw_lookup_push push;
@@ -41,7 +43,8 @@ void main()
 	vec3 cell = clamp(floor(record_position[i].xyz / size), vec3(0.0), vec3(cells - 1.0));
 	uint pointer = find_tile(uvec3(cell), push.block_level);
 	if (pointer == 0u) {
-		uvec3 leaf = texelFetch(leaf_cell, int((record_facet[i] & ~GW_RECORD_BACK) >> 1)).xyz;
+		uint own = texelFetch(facet_leaf, int(record_facet[i] & ~GW_RECORD_BACK)).x;
+		uvec3 leaf = texelFetch(leaf_cell, int(leaf_of(own))).xyz;
 		pointer = find_tile(leaf >> (depth - push.block_level), push.block_level);
 	}
 	record_block[i] = pointer - 1u - push.tile_first;

@@ -5,6 +5,7 @@
  */
 #version 460
 
+#include "octree/octree_numbers.glsl"
 #include "octree/octree_walk.glsl"
 #include "light/transport_layout.h"
 #include "base/sampling.glsl"
@@ -41,18 +42,18 @@ layout(push_constant) uniform Push
 bool is_on_clear(vec3 place, vec3 normal)
 {
 	uvec3 cell = uvec3(clamp(place, vec3(0.0), vec3(exp2(float(depth)) - 1.0)));
-	uint tile = dark_slot != 0u ? find_tile(cell >> 1, depth - 1u) : 0u;
+	uint tile = dark_facet != 0u ? find_tile(cell >> 1, depth - 1u) : 0u;
 	if (tile == 0u)
 		return false;
 	uint octant = (cell.x & 1u) | (cell.y & 1u) << 1 | (cell.z & 1u) << 2;
 	uvec2 entry = texelFetch(leaf_tile, int(tile - 1u)).xy;
-	uint leaf = entry.x + uint(bitCount(entry.y & ((1u << octant) - 1u)));
+	uint first = first_facet(entry, octant);
 	bool clear = false;
 	for (uint s = 0u; s < 2u; s++) {
-		int slot = int(2u * leaf + s);
-		bool facet = ((entry.y >> (8u + 8u * s + octant)) & 1u) != 0u;
-		if (facet && dot(texelFetch(facet_plane, slot).xyz, normal) > 0.0)
-			clear = clear || fract(texelFetch(facet_albedo, slot).w) > 0.0;
+		int facet = int(first + s);
+		bool there = ((entry.y >> (8u + 8u * s + octant)) & 1u) != 0u;
+		if (there && dot(texelFetch(facet_plane, facet).xyz, normal) > 0.0)
+			clear = clear || fract(texelFetch(facet_albedo, facet).w) > 0.0;
 	}
 	return clear;
 }

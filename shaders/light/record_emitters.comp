@@ -28,6 +28,7 @@ TEXELS(16, vec4, surfel_clip);
 TEXELS(17, uvec4, disc_tree);
 TEXELS(18, vec4, facet_albedo);
 BUFFER(19, readwrite, vec4, record_moment); /* 2 a record */
+BUFFER(20, readonly, uint, facet_leaf);
 PUSH(gw_record_push);
 
 #define TRACE_OPACITY

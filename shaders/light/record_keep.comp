@@ -14,7 +14,7 @@ layout(local_size_x_id = 0) in;
 layout(binding = 0) uniform usamplerBuffer known_facet; /* of the records as they were */
 layout(binding = 1) uniform samplerBuffer known_distance;
 layout(binding = 2) uniform usamplerBuffer known_record; /* of each record: which it was, or NONE */
-layout(binding = 3) uniform usamplerBuffer leaf_now;     /* of each leaf as it was */
+layout(binding = 3) uniform usamplerBuffer facet_now;    /* of each facet as it was */
 layout(binding = 4) uniform samplerBuffer record_position;
 layout(binding = 5) uniform samplerBuffer record_normal;
 layout(binding = 6) uniform samplerBuffer box; /* two corners each */
@@ -67,9 +67,7 @@ void main()
 		uint facet = texelFetch(known_facet, int(before * push.rays + k)).x;
 		float t = texelFetch(known_distance, int(before * push.rays + k)).x;
 		if (!passes_box(g, inverse, abs(t))) {
-			hit_facet[i] = facet == GW_NONE
-							  ? GW_NONE
-							  : 2u * texelFetch(leaf_now, int(facet >> 1)).x + (facet & 1u);
+			hit_facet[i] = facet == GW_NONE ? GW_NONE : texelFetch(facet_now, int(facet)).x;
 			hit_distance[i] = t;
 			return;
 		}

@@ -10,7 +10,7 @@
 #version 460
 
 #include "light/transport_layout.h"
-#include "octree/octree_layout.h"
+#include "octree/octree_numbers.glsl"
 
 layout(local_size_x_id = 0) in;
 layout(binding = 0) uniform usamplerBuffer leaf_fragment;
@@ -30,6 +30,7 @@ layout(binding = 7) writeonly buffer Normal
 {
 	vec4 record_normal[];
 };
+layout(binding = 8) uniform usamplerBuffer facet_leaf;
 layout(push_constant) uniform Push
 {
 	gw_record_push push;
@@ -44,18 +45,19 @@ void main()
 	uint i = gl_GlobalInvocationID.x;
 	if (i >= push.count)
 		return;
-	uint slot = record_facet[i] & ~GW_RECORD_BACK;
-	vec3 normal = texelFetch(facet_plane, int(slot)).xyz;
-	vec4 middle = texelFetch(facet_centre, int(slot));
+	uint facet = record_facet[i] & ~GW_RECORD_BACK;
+	vec3 normal = texelFetch(facet_plane, int(facet)).xyz;
+	vec4 middle = texelFetch(facet_centre, int(facet));
 	vec3 centre = middle.xyz;
-	uint first = texelFetch(leaf_fragment, int(slot >> 1)).x;
-	uint last = texelFetch(leaf_fragment, int((slot >> 1) + 1u)).x;
+	uint own = texelFetch(facet_leaf, int(facet)).x, leaf = leaf_of(own);
+	uint first = texelFetch(leaf_fragment, int(leaf)).x;
+	uint last = texelFetch(leaf_fragment, int(leaf + 1u)).x;
 	uint stride = max(1u, (last - first) / FRAGMENTS);
 	vec3 place = centre;
 	float apart = middle.w < SLIVER ? APART_OF_SLIVERS : APART, nearest = apart * apart;
 	for (uint f = first; f < last; f += stride) {
 		uint word = texelFetch(fragment_surfel, int(f)).x;
-		if ((word >> 31) != 0u || ((word >> 30) & 1u) != (slot & 1u))
+		if (!is_disc_of(own, word))
 			continue;
 		vec3 off = texelFetch(surfel_position, int(word & GW_FRAGMENT_SURFEL)).xyz - centre;
 		if (dot(off, off) < nearest) {
@@ -64,5 +66,5 @@ void main()
 		}
 	}
 	record_position[i] = vec4(place, 0.0);
-	record_normal[i] = vec4(slot == record_facet[i] ? normal : -normal, 0.0);
+	record_normal[i] = vec4(facet == record_facet[i] ? normal : -normal, 0.0);
 }

@@ -23,6 +23,7 @@ TEXELS(13, vec4, surfel_disc);
 TEXELS(14, vec4, surfel_clip);
 TEXELS(15, uvec4, disc_tree);
 TEXELS(16, vec4, facet_albedo);
+BUFFER(17, readonly, uint, facet_leaf);
 PUSH(gw_record_push);
 
 #define TRACE_OPACITY

@@ -11,6 +11,7 @@
 #version 460
 
 #include "light/shadow_layout.h"
+#include "octree/octree_numbers.glsl"
 
 layout(local_size_x_id = 0) in;
 layout(constant_id = 3) const float plane_overlap = 0.02;
@@ -18,6 +19,7 @@ layout(binding = 0) uniform usamplerBuffer leaf_cell;
 layout(binding = 1) uniform samplerBuffer facet_plane;
 layout(binding = 2) buffer Map { uint shadow_map[]; };
 layout(binding = 3) buffer Most { uint most; };
+layout(binding = 4) uniform usamplerBuffer facet_leaf;
 layout(push_constant) uniform Push { gw_shadow_push push; };
 
 #include "light/shadow_ray.glsl"
@@ -94,11 +96,12 @@ void main()
 	uint i = gl_GlobalInvocationID.x;
 	if (i >= push.count)
 		return;
-	uint slot = push.first + i;
-	vec4 plane = texelFetch(facet_plane, int(slot));
+	int facet = int(push.first + i);
+	vec4 plane = texelFetch(facet_plane, facet);
 	if (dot(plane.xyz, plane.xyz) < 0.25)
 		return;
-	vec3 centre = vec3(texelFetch(leaf_cell, int(slot >> 1)).xyz) + 0.5;
+	uint leaf = leaf_of(texelFetch(facet_leaf, facet).x);
+	vec3 centre = vec3(texelFetch(leaf_cell, int(leaf)).xyz) + 0.5;
 	ivec2 low, high;
 	vec3 middle = centre, extent;
 	plane_box(plane, middle, extent);

@@ -23,6 +23,7 @@ TEXELS(11, vec4, surfel_disc);
 TEXELS(12, vec4, surfel_clip);
 TEXELS(13, uvec4, disc_tree);
 TEXELS(14, vec4, facet_albedo);
+BUFFER(15, readonly, uint, facet_leaf);
 PUSH(gw_volume_push);
 
 #define TRACE_OPACITY

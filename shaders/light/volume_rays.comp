@@ -23,6 +23,7 @@ TEXELS(12, vec4, surfel_disc);
 TEXELS(13, vec4, surfel_clip);
 TEXELS(14, uvec4, disc_tree);
 TEXELS(15, vec4, facet_albedo);
+BUFFER(16, readonly, uint, facet_leaf);
 PUSH(gw_volume_push);
 
 #define TRACE_OPACITY

@@ -39,6 +39,15 @@ bool meets_inner_part(IN(Ray) ray, float t, vec3 off, vec3 facing, float radius)
 	return t + ahead > GW_NEAR && dot(there, there) < GW_INNER_SQUARED * radius * radius;
 }
 
+/* The number of the leaf around a place, or GW_NONE. */
+uint leaf_around(vec3 at)
+{
+	LeafAround leaf;
+	if (!find_leaf_around(at, leaf))
+		return GW_NONE;
+	return leaf_of(facet_leaf[first_facet(leaf.tile, leaf.octant)]);
+}
+
 /* Does a ray pass a place on a plane of a leaf above surface that has bent away beneath it? */
 bool passes_crest(IN(Ray) ray, uint leaf, float t, vec3 normal, vec3 middle)
 {

@@ -79,13 +79,13 @@ bool lie_concave(vec3 place, vec3 normal, vec3 other_place, vec3 other_normal)
 
 /* What the leaf's discs say of a place beyond a disc: that it lies behind one of a surface across,
  * or that the disc's own surface does not end before it. */
-bool is_in_rock(uint leaf, IN(DiscPassage) passage, bool amid)
+bool is_in_rock(IN(Owner) first, IN(DiscPassage) passage, bool amid)
 {
 	bool on = amid;
-	uint last = texelFetch(leaf_fragment, int(leaf) + 1).x;
+	uint leaf = leaf_of(first.word), last = texelFetch(leaf_fragment, int(leaf) + 1).x;
 	for (uint f = texelFetch(leaf_fragment, int(leaf)).x; f < last; f++) {
 		uint word = texelFetch(fragment_surfel, int(f)).x;
-		if (word >> 31 != 0u || stops_from_behind(2u * leaf + (word >> 30 & 1u)))
+		if (word >> 31 != 0u || stops_from_behind(owner_joined(first, word).facet))
 			continue;
 		int surfel = int(word & GW_FRAGMENT_SURFEL);
 		vec3 place = texelFetch(surfel_place, surfel).xyz, off = passage.at - place;
@@ -101,20 +101,23 @@ bool is_in_rock(uint leaf, IN(DiscPassage) passage, bool amid)
 }
 
 /* Is the place within the leaf's cell, or are discs all around it? */
-bool is_amid(uint slot, vec3 cell_centre, vec3 at)
+bool is_amid(IN(Owner) owner, vec3 cell_centre, vec3 at)
 {
 	vec3 off = at - cell_centre;
-	return max(abs(off.x), max(abs(off.y), abs(off.z))) <= 0.5f || is_surrounded(slot, at);
+	return max(abs(off.x), max(abs(off.y), abs(off.z))) <= 0.5f || is_surrounded(owner, at);
 }
 
-/* The discs of a leaf; see above. A light's or a record's own surface is not met near t_max. */
-void meet_discs(IN(Ray) ray, uint leaf, vec3 cell_centre, INOUT(Doubt) doubt, INOUT(Hit) hit)
+/* The discs of a leaf, of which that is the first facet; see above. A light's or a record's own
+ * surface is not met near t_max. */
+void meet_discs(IN(Ray) ray, uint facet, vec3 cell_centre, INOUT(Doubt) doubt, INOUT(Hit) hit)
 {
-	uint last = texelFetch(leaf_fragment, int(leaf) + 1).x;
+	Owner first = owner_of(facet);
+	uint leaf = leaf_of(first.word), last = texelFetch(leaf_fragment, int(leaf) + 1).x;
 	for (uint f = texelFetch(leaf_fragment, int(leaf)).x; f < last; f++) {
-		uint word = texelFetch(fragment_surfel, int(f)).x, slot = 2u * leaf + (word >> 30 & 1u);
+		uint word = texelFetch(fragment_surfel, int(f)).x;
+		Owner own = owner_joined(first, word);
 		DiscPassage passage;
-		if (word >> 31 != 0u || is_foliage(slot) ||
+		if (word >> 31 != 0u || is_foliage(own.facet) ||
 			!passes_disc(int(word & GW_FRAGMENT_SURFEL), ray, min(hit.t, ray.t_max - GW_NEAR),
 						 passage))
 			continue;
@@ -122,16 +125,16 @@ void meet_discs(IN(Ray) ray, uint leaf, vec3 cell_centre, INOUT(Doubt) doubt, IN
 				   lie_concave(doubt.place, doubt.normal, passage.place, passage.normal);
 		if (!met && passage.squared < GW_VOID_REACH_SQUARED) {
 			bool amid = !passage.cut && (passage.squared <= 1.0f
-											 ? is_covered(slot, passage.at)
-											 : is_amid(slot, cell_centre, passage.at));
-			met = is_in_rock(leaf, passage,
+											 ? is_covered(own, passage.at)
+											 : is_amid(own, cell_centre, passage.at));
+			met = is_in_rock(first, passage,
 							 amid && !passes_crest(ray, leaf, passage.t, passage.normal,
 												   passage.place));
 		}
 		if (met) {
 			hit.t = passage.t;
-			hit.facet = slot;
-		} else if (!stops_from_behind(slot)) {
+			hit.facet = own.facet;
+		} else if (!stops_from_behind(own.facet)) {
 			doubt.t = passage.t;
 			doubt.place = passage.place;
 			doubt.normal = passage.normal;

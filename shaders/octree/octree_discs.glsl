@@ -1,7 +1,8 @@
 /*
  * octree_discs.glsl - where in its cell a facet's plane is really covered by surface. Uses the
  * texel buffers facet_plane, leaf_fragment, fragment_surfel, surfel_place, surfel_facing,
- * surfel_disc and surfel_clip (octree.h); include it before octree_trace.glsl.
+ * surfel_disc and surfel_clip (octree.h), and facet_leaf as a storage buffer, since there are
+ * devices that take no more textures; include it before octree_trace.glsl.
  *
  * A plane fills its cell, so alone it would end a surface a cell too far, and a shadow's edge with
  * it. The discs end where the surface does; inside a surface some eight of them cover each place.
@@ -18,6 +19,7 @@
 #define TRACE_DISCS true
 
 #include "base/sampling.glsl"
+#include "octree/octree_numbers.glsl"
 #include "octree/ray.glsl"
 #include "octree/trace_constants.h"
 #include "octree/octree_crests.glsl"
@@ -39,10 +41,10 @@ float disc_density(vec4 size, vec4 clip)
 	return size.y / (GW_PI * size.x * size.x * max(left, GW_SHARE_LEAST));
 }
 
-/* Is a fragment one of the facet's own discs? */
-bool is_disc_of(uint slot, uint word)
+Owner owner_of(uint facet)
 {
-	return word >> 31 == 0u && (word >> 30 & 1u) == (slot & 1u);
+	Owner owner = { facet, facet_leaf[facet] };
+	return owner;
 }
 
 /* What a disc says about a place: its vote, and how much it adds to the cover; 0 where it does not
@@ -66,16 +68,16 @@ int disc_vote(int surfel, vec3 at, INOUT(float) cover)
 }
 
 /* Do the facet's discs lie all around a place? */
-bool is_surrounded(uint slot, vec3 at)
+bool is_surrounded(IN(Owner) owner, vec3 at)
 {
 	vec2 way[4] = { vec2(1.0f, 0.0f), vec2(GW_SQRT_HALF, GW_SQRT_HALF), vec2(0.0f, 1.0f),
 					vec2(-GW_SQRT_HALF, GW_SQRT_HALF) };
-	uint seen = 0u, last = texelFetch(leaf_fragment, int(slot >> 1) + 1).x;
+	uint seen = 0u, last = texelFetch(leaf_fragment, int(leaf_of(owner.word)) + 1).x;
 	vec3 t, b;
-	tangent_frame(texelFetch(facet_plane, int(slot)).xyz, t, b);
-	for (uint f = texelFetch(leaf_fragment, int(slot >> 1)).x; f < last; f++) {
+	tangent_frame(texelFetch(facet_plane, int(owner.facet)).xyz, t, b);
+	for (uint f = texelFetch(leaf_fragment, int(leaf_of(owner.word))).x; f < last; f++) {
 		uint word = texelFetch(fragment_surfel, int(f)).x;
-		if (!is_disc_of(slot, word))
+		if (!is_disc_of(owner.word, word))
 			continue;
 		vec3 off = texelFetch(surfel_place, int(word & GW_FRAGMENT_SURFEL)).xyz - at;
 		vec2 p = vec2(dot(off, t), dot(off, b));
@@ -89,14 +91,14 @@ bool is_surrounded(uint slot, vec3 at)
 
 /* Do the facet's discs lie on both sides of a place, along its crease with a surface of a normal?
  * At the free end of a wall they lie on one. */
-bool is_along_crease(uint slot, vec3 other, vec3 at)
+bool is_along_crease(IN(Owner) owner, vec3 other, vec3 at)
 {
-	vec3 crease = cross(texelFetch(facet_plane, int(slot)).xyz, other);
-	uint last = texelFetch(leaf_fragment, int(slot >> 1) + 1).x;
+	vec3 crease = cross(texelFetch(facet_plane, int(owner.facet)).xyz, other);
+	uint last = texelFetch(leaf_fragment, int(leaf_of(owner.word)) + 1).x;
 	bool before = false, after = false;
-	for (uint f = texelFetch(leaf_fragment, int(slot >> 1)).x; f < last; f++) {
+	for (uint f = texelFetch(leaf_fragment, int(leaf_of(owner.word))).x; f < last; f++) {
 		uint word = texelFetch(fragment_surfel, int(f)).x;
-		if (!is_disc_of(slot, word))
+		if (!is_disc_of(owner.word, word))
 			continue;
 		int surfel = int(word & GW_FRAGMENT_SURFEL);
 		float along = dot(crease, texelFetch(surfel_place, surfel).xyz - at);
@@ -106,10 +108,10 @@ bool is_along_crease(uint slot, vec3 other, vec3 at)
 	return before && after;
 }
 
-bool is_covered(uint slot, vec3 at)
+bool is_covered(IN(Owner) owner, vec3 at)
 {
-	uint first = texelFetch(leaf_fragment, int(slot >> 1)).x;
-	uint last = texelFetch(leaf_fragment, int(slot >> 1) + 1).x;
+	uint first = texelFetch(leaf_fragment, int(leaf_of(owner.word))).x;
+	uint last = texelFetch(leaf_fragment, int(leaf_of(owner.word)) + 1).x;
 	if (last - first > GW_DISC_FRAGMENTS)
 		return true;
 	int votes = 0;
@@ -117,13 +119,13 @@ bool is_covered(uint slot, vec3 at)
 	bool cut = false;
 	for (uint f = first; f < last; f++) {
 		uint word = texelFetch(fragment_surfel, int(f)).x;
-		if (!is_disc_of(slot, word))
+		if (!is_disc_of(owner.word, word))
 			continue;
 		int vote = disc_vote(int(word & GW_FRAGMENT_SURFEL), at, cover);
 		votes += vote;
 		cut = cut || vote < 0;
 	}
-	return (votes > 0 && cover > GW_COVER_LEAST) || (!cut && is_surrounded(slot, at));
+	return (votes > 0 && cover > GW_COVER_LEAST) || (!cut && is_surrounded(owner, at));
 }
 
 #include "octree/octree_disc_hits.glsl"

@@ -5,17 +5,17 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
-#include "octree/octree_layout.h"
+#include "octree/octree_numbers.glsl"
 #include "octree/trace_constants.h"
 
 layout(local_size_x_id = 0) in;
 
 layout(binding = 0) uniform usamplerBuffer leaf_cell;
 layout(binding = 1) uniform usamplerBuffer fragment_surfel;
-layout(binding = 2) uniform samplerBuffer surfel_position;
+layout(binding = 2) uniform usamplerBuffer facet_leaf;
 layout(binding = 3) uniform samplerBuffer surfel_normal;
-layout(binding = 4) readonly buffer Seeds { uvec4 seed[]; }; /* this and the next four: windowed */
-layout(binding = 5) buffer Planes { vec4 facet_plane[]; };
+layout(binding = 4) uniform usamplerBuffer seed;
+layout(binding = 5) buffer Planes { vec4 facet_plane[]; }; /* this and the next three: windowed */
 layout(binding = 6) buffer Centres { vec4 facet_centre[]; };
 layout(binding = 7) buffer Albedos { vec4 facet_albedo[]; };
 layout(binding = 8) buffer Emissions { vec4 facet_emission[]; };
@@ -48,12 +48,12 @@ float area_in_cell(vec3 n, float c)
 
 /* Returns whether the facet fills its cell. `first`: a fragment of the facet, for facets without
  * area or whose normals cancel. */
-bool finish_facet(uint slot, uvec3 cell, uint first, bool seed_foliage)
+bool finish_facet(uint local, uvec3 cell, uint first, bool seed_foliage)
 {
 	int surfel = int(texelFetch(fragment_surfel, int(first)).x & GW_FRAGMENT_SURFEL);
-	vec3 sum = facet_plane[slot].xyz;
-	float clear = facet_plane[slot].w;
-	vec4 centre = facet_centre[slot], albedo = facet_albedo[slot];
+	vec3 sum = facet_plane[local].xyz;
+	float clear = facet_plane[local].w;
+	vec4 centre = facet_centre[local], albedo = facet_albedo[local];
 	float area = centre.w, length_of_sum = length(sum);
 	/* Rounding aside it is all or not. */
 	bool foliage = area > 0.0 && albedo.w > 0.999 * GW_MARK_FOLIAGE * area;
@@ -63,42 +63,40 @@ bool finish_facet(uint slot, uvec3 cell, uint first, bool seed_foliage)
 	float scale = area > 0.0 ? 1.0 / area : 0.0;
 	vec3 c = clamp(centre.xyz * scale, -0.5, 0.5);
 	float offset = dot(normal, area > 0.0 ? centre.xyz * scale : c);
-	facet_plane[slot] = vec4(normal, offset);
+	facet_plane[local] = vec4(normal, offset);
 	float weight = foliage && !seed_foliage ? GW_FOLIAGE_WEIGHT : 1.0;
-	facet_centre[slot] = vec4(vec3(cell) + 0.5 + c, area / weight);
+	facet_centre[local] = vec4(vec3(cell) + 0.5 + c, area / weight);
 	float sides = 2.0 * albedo.w > area ? 1.0 : albedo.w > 0.0 ? GW_FACET_UNCLEAR : 0.0;
 	vec2 kind = vec2(sides, min(clear * scale, CLEAREST));
 	if (foliage)
 		kind = vec2(GW_FACET_FOLIAGE, GW_FOLIAGE_CLEAR);
-	facet_albedo[slot] = vec4(albedo.xyz * scale, kind.x + kind.y);
+	facet_albedo[local] = vec4(albedo.xyz * scale, kind.x + kind.y);
 	if (push.emissive != 0u)
-		facet_emission[slot] = vec4(facet_emission[slot].xyz * scale, 0.0);
+		facet_emission[local] = vec4(facet_emission[local].xyz * scale, 0.0);
 	return !foliage && area >= FILLED * area_in_cell(normal, offset);
 }
 
 void main()
 {
-	uint local = gl_GlobalInvocationID.x, leaf = push.first + local;
+	uint local = gl_GlobalInvocationID.x;
 	if (local >= push.count)
 		return;
-	uvec4 cell = texelFetch(leaf_cell, int(leaf));
+	uint own = texelFetch(facet_leaf, int(push.first + local)).x;
+	uvec4 cell = texelFetch(leaf_cell, int(leaf_of(own)));
+	uvec4 start = texelFetch(seed, int(leaf_of(own)));
 	uint octant = (cell.x & 1u) | (cell.y & 1u) << 1 | (cell.z & 1u) << 2;
-	uvec4 start = seed[local];
-	if (start.x == 0u)
-		return;
-	uint bits = 1u << (8u + octant);
-	int surfel = int(texelFetch(fragment_surfel, int(start.x - 1u)).x & GW_FRAGMENT_SURFEL);
-	bool foliage = texelFetch(surfel_normal, surfel).w == GW_MARK_FOLIAGE;
-	bool filled = finish_facet(2u * local, cell.xyz, start.x - 1u, foliage);
-	if (start.z != 0u) {
-		bits |= 1u << (16u + octant);
-		if (!finish_facet(2u * local + 1u, cell.xyz, start.z - 1u, foliage))
-			filled = false;
+	bool filled = false;
+	if (start.x != 0u) {
+		int surfel = int(texelFetch(fragment_surfel, int(start.x - 1u)).x & GW_FRAGMENT_SURFEL);
+		bool foliage = texelFetch(surfel_normal, surfel).w == GW_MARK_FOLIAGE;
+		uint first = is_second(own) ? start.z : start.x;
+		filled = finish_facet(local, cell.xyz, first - 1u, foliage);
+		atomicOr(leaf_tile[cell.w].y, 1u << ((is_second(own) ? 16u : 8u) + octant));
+		uint t = push.directory_level;
+		uvec3 c = cell.xyz >> (push.depth - t);
+		atomicOr(mark[c.x + (c.y << t) + (c.z << (2u * t))], 1u);
 	}
-	if (filled)
-		bits |= 1u << (24u + octant);
-	atomicOr(leaf_tile[cell.w].y, bits);
-	uint t = push.directory_level;
-	uvec3 c = cell.xyz >> (push.depth - t);
-	atomicOr(mark[c.x + (c.y << t) + (c.z << (2u * t))], 1u);
+	/* Until one of its facets does not, or there is none, a leaf counts as filled. */
+	if (!filled)
+		atomicAnd(leaf_tile[cell.w].y, ~(1u << (24u + octant)));
 }

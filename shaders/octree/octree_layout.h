@@ -24,6 +24,10 @@
 #define GW_FRAGMENT_FACET 0x40000000u
 #define GW_FRAGMENT_ROI 0x80000000u
 
+/* Parts of facet_leaf: the leaf of a facet, and whether it is the second one there. */
+#define GW_FACET_LEAF 0x7fffffffu
+#define GW_FACET_SECOND 0x80000000u
+
 /* What w of a surfel's normal says, besides 1: all its cuts are at creases; nobody knows which side
  * is its front, which counts less than half of what w = 1 does; it is the back of such a one; it is
  * foliage, which makes a facet foliage where all of it is that. */

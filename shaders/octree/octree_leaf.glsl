@@ -5,6 +5,8 @@
 #ifndef OCTREE_LEAF_GLSL
 #define OCTREE_LEAF_GLSL
 
+#include "octree/octree_numbers.glsl"
+
 uint octant_of(ivec3a cell, uint shift)
 {
 	ivec3 bit = ivec3(cell >> int(shift) & 1);
@@ -36,24 +38,25 @@ bool holds_leaf(uvec2 tile, uint octant)
 	return (tile.y >> (8u + octant) & 1u) != 0u;
 }
 
-uint leaf_of(uvec2 tile, uint octant)
-{
-	return tile.x + uint(bitCount(tile.y & ((1u << octant) - 1u)));
-}
+/* The leaf around a place. */
+struct LeafAround {
+	uvec2 tile;
+	uint octant;
+};
 
-/* The leaf around a place, or GW_NONE. */
-uint leaf_around(vec3 at)
+/* False where there is none. */
+bool find_leaf_around(vec3 at, OUT(LeafAround) leaf)
 {
 	ivec3a cell = clamp(ivec3a(vec3a(at)), ivec3a(0), ivec3a(int(1u << depth) - 1));
 	uint entry = directory_entry(cell), shift;
 	if (entry >> 31 == 0u)
-		return GW_NONE;
+		return false;
 	uint pointer = find_leaves(entry, cell, shift);
 	if (pointer == 0u)
-		return GW_NONE;
-	uvec2 tile = texelFetch(leaf_tile, int(pointer - 1u)).xy;
-	uint octant = octant_of(cell, 0u);
-	return holds_leaf(tile, octant) ? leaf_of(tile, octant) : GW_NONE;
+		return false;
+	leaf.tile = texelFetch(leaf_tile, int(pointer - 1u)).xy;
+	leaf.octant = octant_of(cell, 0u);
+	return holds_leaf(leaf.tile, leaf.octant);
 }
 
 #endif

@@ -30,5 +30,7 @@ void main()
 		bits |= 1u << (key.x & 7u);
 		leaf_cell[leaf] = uvec4(morton_decode(key), tile);
 	}
-	leaf_tile[local] = uvec2(bits != 0u ? first : 0u, bits);
+	/* octree_finish.comp says which leaves are not filled; first facets come when these have
+	 * numbers. */
+	leaf_tile[local] = uvec2(bits != 0u ? first : 0u, bits | bits << 24);
 }

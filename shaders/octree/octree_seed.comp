@@ -16,7 +16,8 @@ layout(binding = 1) uniform usamplerBuffer fragment_surfel;
 layout(binding = 2) uniform samplerBuffer fragment_weight;
 layout(binding = 3) uniform samplerBuffer surfel_normal;
 layout(binding = 4) uniform samplerBuffer surfel_albedo;
-/* Windowed. Seed: fragment plus one, bits of its weight, first fragment plus one of facet 1. */
+/* Windowed. Seed: fragment plus one, bits of its weight, first fragment plus one of facet 1, which
+ * octree_join.comp finds. */
 layout(binding = 5) buffer Seeds { uvec4 seed[]; };
 layout(binding = 6) buffer Geometry { vec4 leaf_geometry[]; };
 

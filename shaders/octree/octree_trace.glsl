@@ -18,12 +18,18 @@ bool passes_crest(IN(Ray), uint, float, vec3, vec3)
 	return false;
 }
 
-bool is_covered(uint, vec3)
+Owner owner_of(uint facet)
+{
+	Owner owner = { facet, 0u };
+	return owner;
+}
+
+bool is_covered(IN(Owner), vec3)
 {
 	return true;
 }
 
-bool is_along_crease(uint, vec3, vec3)
+bool is_along_crease(IN(Owner), vec3, vec3)
 {
 	return false;
 }
@@ -38,7 +44,7 @@ CONSTANT(3, float, plane_overlap, 0.02f);
 
 /* A facet as a ray passes it: at a distance t it is approach * t - rise above the plane. */
 struct Passage {
-	uint facet; /* slot, or GW_NONE */
+	uint facet; /* its number, or GW_NONE */
 	vec3 normal;
 	float approach, rise;
 	float leave; /* distance at which the ray leaves the facet's cell */
@@ -47,6 +53,7 @@ struct Passage {
 /* A ray's way through a cell. */
 struct Stretch {
 	vec3 centre;
+	uint first;         /* of its leaf's facets */
 	float enter, leave; /* distances */
 	bool covered;       /* its facets end nowhere in it */
 	bool concave;       /* they meet as a floor and a wall do, seen from inside */
@@ -72,17 +79,20 @@ float height_over(IN(Passage) facet, float t)
 
 /* Is there surface on the facet's plane where the ray is? Behind a concave crease it goes
  * on as far as the facet does along it. */
-bool holds(IN(Ray) ray, bool covered, bool concave, uint slot, float t)
+bool holds(IN(Ray) ray, IN(Stretch) stretch, bool covered, uint facet, float t)
 {
 	if (!TRACE_DISCS || covered)
 		return true;
 	vec3 at = ray.origin + ray.direction * t;
-	vec3 other = texelFetch(facet_plane, int(slot ^ 1u)).xyz;
-	if (concave && is_along_crease(slot, other, at))
-		return true;
-	return is_covered(slot, at) &&
-		   !passes_crest(ray, slot >> 1, t, texelFetch(facet_plane, int(slot)).xyz,
-						 texelFetch(facet_centre, int(slot)).xyz);
+	Owner owner = owner_of(facet);
+	if (stretch.concave) {
+		uint other = facet == stretch.first ? facet + 1u : stretch.first;
+		if (is_along_crease(owner, texelFetch(facet_plane, int(other)).xyz, at))
+			return true;
+	}
+	return is_covered(owner, at) &&
+		   !passes_crest(ray, leaf_of(owner.word), t, texelFetch(facet_plane, int(facet)).xyz,
+						 texelFetch(facet_centre, int(facet)).xyz);
 }
 
 /* Does a facet rise over the surface that the ray leaves? */
@@ -154,7 +164,7 @@ bool came_through(IN(Ray) ray, IN(Stretch) stretch, IN(Passage) own, IN(Passage)
 	if (stretch.enter < GW_NEAR)
 		return !like && height >= -GW_NOISE_DEPTH && own.approach < 0.0f &&
 			   rises_over_start(ray, own, 0.0f) &&
-			   is_along_crease(own.facet, ray.facing, ray.origin);
+			   is_along_crease(owner_of(own.facet), ray.facing, ray.origin);
 	return like && last.facet != GW_NONE && stretch.enter - last.leave <= GW_GAP_MOST &&
 		   height_over(last, last.leave) >= 0.0f;
 }
@@ -182,20 +192,20 @@ bool may_meet(IN(Ray) ray, IN(Stretch) stretch, IN(Passage) own, IN(Passage) las
 /* One facet of a cell; `last` becomes it when it is of the surface that the ray goes along. Whether
  * there is surface is asked in one place, since drivers write functions out where they are called.
  */
-void meet_facet(IN(Ray) ray, IN(Stretch) stretch, uint slot, INOUT(Passage) last, INOUT(Hit) hit)
+void meet_facet(IN(Ray) ray, IN(Stretch) stretch, uint facet, INOUT(Passage) last, INOUT(Hit) hit)
 {
-	vec4 plane = texelFetch(facet_plane, int(slot));
+	vec4 plane = texelFetch(facet_plane, int(facet));
 	float rise = plane.w - dot(plane.xyz, ray.origin - stretch.centre);
-	Passage own = { slot, plane.xyz, dot(plane.xyz, ray.direction), rise, stretch.leave };
+	Passage own = { facet, plane.xyz, dot(plane.xyz, ray.direction), rise, stretch.leave };
 	for (uint step = MEET_PLANE; step <= (TRACE_DISCS ? MEET_ALONG : MEET_PLANE); step++) {
 		Meeting meeting = { step, 0.0f, false };
 		if (!may_meet(ray, stretch, own, last, hit, meeting) ||
-			!holds(ray, meeting.covered, stretch.concave, slot, meeting.t))
+			!holds(ray, stretch, meeting.covered, facet, meeting.t))
 			continue;
 		if (step == MEET_ALONG) {
 			last = own;
 		} else {
-			hit.facet = slot;
+			hit.facet = facet;
 			hit.t = step == MEET_PLANE ? meeting.t : min(hit.t, stretch.leave);
 		}
 		return;
@@ -203,10 +213,10 @@ void meet_facet(IN(Ray) ray, IN(Stretch) stretch, uint slot, INOUT(Passage) last
 }
 
 /* Does a facet's centre lie in front of another one's plane? */
-bool rises_over(vec3 centre, uint slot, uint over)
+bool rises_over(vec3 centre, uint facet, uint over)
 {
 	vec4 plane = texelFetch(facet_plane, int(over));
-	vec3 middle = texelFetch(facet_centre, int(slot)).xyz;
+	vec3 middle = texelFetch(facet_centre, int(facet)).xyz;
 	return dot(plane.xyz, middle - centre) - plane.w > GW_CONCAVE_HEIGHT;
 }
 
@@ -221,13 +231,14 @@ struct Past {
 void meet_leaf(IN(Ray) ray, uvec2 tile, uint octant, INOUT(Stretch) stretch, INOUT(Past) past,
 			   INOUT(Hit) hit)
 {
-	uint leaf = leaf_of(tile, octant);
-	bool second = (tile.y >> (16u + octant) & 1u) != 0u;
+	uint first = first_facet(tile, octant);
+	bool second = has_second(tile, octant);
+	stretch.first = first;
 	stretch.covered = (tile.y >> (24u + octant) & 1u) != 0u;
-	bool foliage = is_foliage(2u * leaf), more = second && is_foliage(2u * leaf + 1u);
+	bool foliage = is_foliage(first), more = second && is_foliage(first + 1u);
 	if (foliage && (!second || more)) {
 		if (!past.again)
-			pass_foliage(2u * leaf, stretch.enter, stretch.leave, hit);
+			pass_foliage(first, stretch.enter, stretch.leave, hit);
 		return;
 	}
 	if (TRACE_DISCS && !stretch.covered && !past.again) {
@@ -236,17 +247,17 @@ void meet_leaf(IN(Ray) ray, uvec2 tile, uint octant, INOUT(Stretch) stretch, INO
 	}
 	if (past.again) {
 		if (!stretch.covered)
-			meet_discs(ray, leaf, stretch.centre, past.doubt, hit);
+			meet_discs(ray, first, stretch.centre, past.doubt, hit);
 		return;
 	}
-	stretch.concave = second && !stretch.covered && !stops_from_behind(2u * leaf) &&
-					  !stops_from_behind(2u * leaf + 1u) &&
-					  rises_over(stretch.centre, 2u * leaf + 1u, 2u * leaf) &&
-					  rises_over(stretch.centre, 2u * leaf, 2u * leaf + 1u);
+	stretch.concave = second && !stretch.covered && !stops_from_behind(first) &&
+					  !stops_from_behind(first + 1u) &&
+					  rises_over(stretch.centre, first + 1u, first) &&
+					  rises_over(stretch.centre, first, first + 1u);
 	for (uint k = foliage ? 1u : 0u; k < (second && !more ? 2u : 1u); k++)
-		meet_facet(ray, stretch, 2u * leaf + k, past.last, hit);
+		meet_facet(ray, stretch, first + k, past.last, hit);
 	if (foliage || more)
-		pass_foliage(2u * leaf + (more ? 1u : 0u), stretch.enter, stretch.leave, hit);
+		pass_foliage(first + (more ? 1u : 0u), stretch.enter, stretch.leave, hit);
 }
 
 /* ------------------------------------------------------------------------------------- walking */
@@ -308,7 +319,8 @@ float look_around(IN(Ray) ray, IN(Walk) walk, ivec3a cell, float t, INOUT(Past) 
 		return leaving(walk, cell, shift, 0u);
 	uvec2 tile = texelFetch(leaf_tile, int(pointer - 1u)).xy;
 	uint octant = octant_of(cell, 0u);
-	Stretch stretch = { vec3(vec3a(cell) + 0.5f), t, leaving(walk, cell, 0u, 0u), false, false };
+	Stretch stretch = { vec3(vec3a(cell) + 0.5f),      GW_NONE, t,
+						leaving(walk, cell, 0u, 0u), false,   false };
 	if (holds_leaf(tile, octant))
 		meet_leaf(ray, tile, octant, stretch, past, hit);
 	return stretch.leave;

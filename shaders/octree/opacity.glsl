@@ -2,7 +2,7 @@
  * opacity.glsl - surface that lets a share of the light through, for rays that are attenuated by
  * what they pass (trace_through in trace.glsl). Uses the texel buffers facet_albedo, facet_plane,
  * leaf_fragment, fragment_surfel and surfel_disc (octree.h). Only where TRACE_OPACITY is defined
- * before it; elsewhere all surface stops a ray.
+ * before it, and with octree_discs.glsl; elsewhere all surface stops a ray.
  *
  * The opacity of a facet is the share of it that is covered, at whatever angle it is seen. A ray
  * goes on behind what it has passed; what is left of the same sheet does not count again: facets of
@@ -23,9 +23,9 @@
 
 #ifdef TRACE_OPACITY
 
-/* One more than the slot that rays find which are stopped from behind; 0: all surface is opaque,
+/* One more than the facet that rays find which are stopped from behind; 0: all surface is opaque,
  * and nothing here costs anything. */
-CONSTANT(5, uint, dark_slot, 0u);
+CONSTANT(5, uint, dark_facet, 0u);
 
 /* What of the ray is left; where foliage leaves no more than `until`, it is stopped. */
 float ray_left = 1.0f, ray_until = 0.0f;
@@ -52,7 +52,7 @@ bool is_two_sided(uint facet)
 /* Is it foliage, and none whose leaves are larger than cells? */
 bool is_foliage(uint facet)
 {
-	return dark_slot != 0u && floor(texelFetch(facet_albedo, int(facet)).w) == GW_FACET_FOLIAGE &&
+	return dark_facet != 0u && floor(texelFetch(facet_albedo, int(facet)).w) == GW_FACET_FOLIAGE &&
 		   texelFetch(facet_centre, int(facet)).w <= GW_FACET_LARGE;
 }
 
@@ -74,13 +74,13 @@ void pass_foliage(uint facet, float enter, float leave, INOUT(Hit) hit)
 /* What of its light a facet sends out, and stops. */
 float opacity_of(uint facet)
 {
-	return dark_slot != 0u ? 1.0f - transparency_of(facet) : 1.0f;
+	return dark_facet != 0u ? 1.0f - transparency_of(facet) : 1.0f;
 }
 
 /* Backs of surface that others see through are no inside of anything. */
 bool stops_from_behind(uint facet)
 {
-	return dark_slot != 0u && transparency_of(facet) > 0.0f;
+	return dark_facet != 0u && transparency_of(facet) > 0.0f;
 }
 
 /* Is what shows its back to a ray, so near to where that starts, another sheet that lets light
@@ -89,7 +89,7 @@ bool lies_over_start(IN(Ray) ray, uint facet, float behind)
 {
 	if (!stops_from_behind(facet))
 		return false;
-	uint first = texelFetch(leaf_fragment, int(facet >> 1)).x;
+	uint first = texelFetch(leaf_fragment, int(leaf_of(owner_of(facet).word))).x;
 	uint surfel = texelFetch(fragment_surfel, int(first)).x & GW_FRAGMENT_SURFEL;
 	float least = max(GW_OVER_CELLS, sqrt(texelFetch(surfel_disc, int(surfel)).y));
 	vec3 middle = texelFetch(facet_centre, int(facet)).xyz;
@@ -99,7 +99,7 @@ bool lies_over_start(IN(Ray) ray, uint facet, float behind)
 /* Has the ray passed what it meets there already? */
 bool is_passed(IN(Ray) ray, vec3 normal, float t)
 {
-	if (dark_slot == 0u || passed_t < 0.0f)
+	if (dark_facet == 0u || passed_t < 0.0f)
 		return false;
 	float rise = (t - passed_t) * abs(dot(passed_normal, ray.direction));
 	return t <= passed_t || (rise < passed_height && dot(normal, passed_normal) > GW_LIKE_COSINE);
@@ -114,7 +114,7 @@ float walk_start()
 /* Lets the ray go on behind what it has hit. */
 void pass_sheet(IN(Hit) hit)
 {
-	uint first = texelFetch(leaf_fragment, int(hit.facet >> 1)).x;
+	uint first = texelFetch(leaf_fragment, int(leaf_of(owner_of(hit.facet).word))).x;
 	uint surfel = texelFetch(fragment_surfel, int(first)).x & GW_FRAGMENT_SURFEL;
 	passed_normal = texelFetch(facet_plane, int(hit.facet)).xyz;
 	float area = texelFetch(surfel_disc, int(surfel)).y;

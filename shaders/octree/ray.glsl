@@ -13,7 +13,7 @@ struct Ray {
 };
 
 struct Hit {
-	uint facet;   /* slot, or GW_NONE */
+	uint facet;   /* its number, or GW_NONE */
 	float t;     /* t_max when nothing is hit */
 	bool passed_back_face;
 };

@@ -21,19 +21,23 @@ CONSTANT(4, uint, has_discs, 0u);
  */
 uint facet_around(uint met, vec3 at)
 {
-	uint leaf = leaf_around(at), found = met;
-	if (leaf == GW_NONE || leaf == met >> 1 || is_foliage(met))
+	LeafAround leaf;
+	if (!find_leaf_around(at, leaf))
+		return met;
+	uint found = met, first = first_facet(leaf.tile, leaf.octant);
+	uint last = first + (has_second(leaf.tile, leaf.octant) ? 1u : 0u);
+	if ((met >= first && met <= last) || is_foliage(met))
 		return met;
 	vec3 normal = texelFetch(facet_plane, int(met)).xyz, off = at - (floor(at) + 0.5f);
 	float nearest = GW_NOISE_DEPTH;
-	for (uint slot = 2u * leaf; slot < 2u * leaf + 2u; slot++) {
-		vec4 plane = texelFetch(facet_plane, int(slot));
+	for (uint facet = first; facet <= last; facet++) {
+		vec4 plane = texelFetch(facet_plane, int(facet));
 		float height = abs(dot(plane.xyz, off) - plane.w);
-		if (dot(plane.xyz, normal) <= GW_LIKE_COSINE || height >= nearest || is_foliage(slot) ||
-			texelFetch(facet_centre, int(slot)).w <= 0.0f)
+		if (dot(plane.xyz, normal) <= GW_LIKE_COSINE || height >= nearest || is_foliage(facet) ||
+			texelFetch(facet_centre, int(facet)).w <= 0.0f)
 			continue;
 		nearest = height;
-		found = slot;
+		found = facet;
 	}
 	return found;
 }
@@ -82,7 +86,7 @@ Hit trace_through(IN(Ray) ray, float until, OUT(float) through)
 	for (uint sheet = 0u;; sheet++) {
 		hit = trace(ray);
 		back = back || hit.passed_back_face;
-		if (dark_slot == 0u || sheet == GW_SHEETS_MOST || hit.facet == GW_NONE ||
+		if (dark_facet == 0u || sheet == GW_SHEETS_MOST || hit.facet == GW_NONE ||
 			stopped_by_foliage)
 			break;
 		float left = ray_left * transparency_of(hit.facet);
@@ -93,12 +97,12 @@ Hit trace_through(IN(Ray) ray, float until, OUT(float) through)
 	}
 	hit.passed_back_face = back;
 	through = ray_left;
-	if (dark_slot == 0u || hit.facet == GW_NONE || ray.both_sides)
+	if (dark_facet == 0u || hit.facet == GW_NONE || ray.both_sides)
 		return hit;
 	vec4 plane = texelFetch(facet_plane, int(hit.facet));
 	if (dot(plane.xyz, ray.direction) > 0.0f && stops_from_behind(hit.facet) &&
 		!is_two_sided(hit.facet))
-		hit.facet = dark_slot - 1u;
+		hit.facet = dark_facet - 1u;
 	return hit;
 }
 

@@ -23,6 +23,7 @@ BUFFER(14, writeonly, vec4, cache_texel);
 TEXELS(15, uvec4, disc_tree);
 TEXELS(16, vec4, sky_texel);
 TEXELS(17, vec4, facet_albedo);
+BUFFER(18, readonly, uint, facet_leaf);
 PUSH(gw_cache_push);
 
 #define TRACE_OPACITY

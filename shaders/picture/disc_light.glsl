@@ -1,24 +1,25 @@
 /*
  * disc_light.glsl - the light of the points where a ray meets a plane. Uses the texel buffers
  * leaf_fragment, fragment_surfel, surfel_place, surfel_facing, surfel_disc (octree.h) and
- * surfel_radiance.
+ * surfel_radiance, and the storage buffer facet_leaf.
  */
 #ifndef DISC_LIGHT_GLSL
 #define DISC_LIGHT_GLSL
 
-#include "octree/octree_layout.h"
+#include "octree/octree_numbers.glsl"
 
 /* The discs of a facet at a place, blended with a weight that falls to nothing at the rim. Where
  * none reaches, all of them alike. */
 vec3 radiance_at(uint facet, vec3 at)
 {
-	uint first = texelFetch(leaf_fragment, int(facet >> 1)).x;
-	uint last = texelFetch(leaf_fragment, int(facet >> 1) + 1).x;
+	uint own = facet_leaf[facet], leaf = leaf_of(own);
+	uint first = texelFetch(leaf_fragment, int(leaf)).x;
+	uint last = texelFetch(leaf_fragment, int(leaf) + 1).x;
 	vec3 near = vec3(0.0f), all = vec3(0.0f);
 	float near_weight = 0.0f, all_weight = 0.0f;
 	for (uint f = first; f < last; f++) {
 		uint word = texelFetch(fragment_surfel, int(f)).x;
-		if ((word >> 31) != 0u || ((word >> 30) & 1u) != (facet & 1u))
+		if (!is_disc_of(own, word))
 			continue;
 		int surfel = int(word & GW_FRAGMENT_SURFEL);
 		vec3 off = at - texelFetch(surfel_place, surfel).xyz;

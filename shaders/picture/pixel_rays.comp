@@ -39,6 +39,10 @@ layout(binding = 14) buffer Reflected
 layout(binding = 15) uniform usamplerBuffer disc_tree;
 layout(binding = 16) uniform samplerBuffer sky_texel;
 layout(binding = 17) uniform samplerBuffer facet_albedo;
+layout(binding = 18) readonly buffer FacetLeaf
+{
+	uint facet_leaf[];
+};
 layout(push_constant) uniform Push
 {
 	gw_pixel_push push;

@@ -78,9 +78,9 @@ static void added_records_see_the_same(void **state)
 	prepare(&added, &report[1], &points, 4.0f);
 	uint32_t before = added.records.count;
 	added.density = (gw_record_density){
-		.facet_spacing = densest(2 * (size_t)added.octree.leaf_count),
+		.facet_spacing = densest(added.octree.facet_count),
 		.surfel_spacing = densest(added.surfels.count),
-		.facet_closer = calloc(2 * (size_t)added.octree.leaf_count, sizeof(bool)),
+		.facet_closer = calloc(added.octree.facet_count, sizeof(bool)),
 		.surfel_closer = calloc(added.surfels.count, sizeof(bool)),
 	};
 	assert_non_null(added.density.facet_closer);

@@ -104,9 +104,9 @@ static void prepare(sums_of_device *d, const gw_points *points)
 	assert_ok(gw_scene_build_octree(&d->scene, &error), &error);
 	assert_ok(gw_scene_place_records(&d->scene, &error), &error);
 	d->on = gw_scene_context(&d->scene, &d->scene.records);
-	size_t slots = 2 * (size_t)d->scene.octree.leaf_count;
-	assert_true(slots > GW_STEPS_MAX * GW_STEPS_MAX && d->scene.records.count > 500);
-	d->light = calloc(slots, 4 * sizeof *d->light);
+	size_t facets = d->scene.octree.facet_count;
+	assert_true(facets > GW_STEPS_MAX * GW_STEPS_MAX && d->scene.records.count > 500);
+	d->light = calloc(facets, 4 * sizeof *d->light);
 	assert_non_null(d->light);
 }
 
@@ -143,11 +143,11 @@ static float *bytes_of(sums_of_device *d, const gw_buffer *buffer, size_t count)
 static void compare_facets(sums_of_device *d, const gw_light_sum *found)
 {
 	const gw_octree *o = &d->scene.octree;
-	size_t slots = 2 * (size_t)o->leaf_count;
-	float *centre = bytes_of(d, &o->facet_centre, slots),
-		  *albedo = bytes_of(d, &o->facet_albedo, slots), largest = 0.0f;
+	size_t facets = o->facet_count;
+	float *centre = bytes_of(d, &o->facet_centre, facets),
+		  *albedo = bytes_of(d, &o->facet_albedo, facets), largest = 0.0f;
 	double power = 0.0, squares = 0.0, bound = 0.0;
-	for (size_t i = 0; i < slots; i++) {
+	for (size_t i = 0; i < facets; i++) {
 		const float *l = d->light + 4 * i;
 		double area = (double)centre[4 * i + 3] * (double)gw_facet_opacity(albedo[4 * i + 3]);
 		double part = area * fabs(gw_luminance(l));
@@ -194,9 +194,9 @@ static void sums_are_right(void **state)
 	const gw_points points = scene_points(&s);
 	prepare(&d, &points);
 	gw_gpu *gpu = d.scene.gpu;
-	size_t slots = 2 * (size_t)d.scene.octree.leaf_count, count = d.scene.records.count;
-	draw_light(&d, slots);
-	gw_buffer light = upload(&d, d.light, slots);
+	size_t facets = d.scene.octree.facet_count, count = d.scene.records.count;
+	draw_light(&d, facets);
+	gw_buffer light = upload(&d, d.light, facets);
 	float *weight =
 		bytes_of(&d, &d.scene.octree.facet_centre, count); /* any that are not below 0 */
 	gw_buffer power = upload(&d, weight, count);

@@ -120,7 +120,8 @@ static void several_take_what_places_are_found_by(void **state)
 	assert_null(c->facet_compartment);
 	uint64_t kept = c->surfel_position.allocated + c->surfel_normal.allocated +
 					c->surfel_disc.allocated + c->facet_plane.allocated + c->leaf_tile.allocated +
-					c->leaf_fragment.allocated + c->fragment_surfel.allocated;
+					c->facet_leaf.allocated + c->leaf_fragment.allocated +
+					c->fragment_surfel.allocated;
 	assert_int_equal(bytes_of(gpu), before + kept);
 	assert_sides(gpu, &octree, &surfels);
 	gw_octree_destroy(gpu, &octree);

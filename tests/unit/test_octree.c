@@ -304,10 +304,13 @@ static void compare_topology(gw_gpu *gpu, gw_octree *octree)
 				   r.level_entries);
 	compare_buffer(gpu, "ray_directory", &octree->ray_directory, r.ray_directory, r.ray_entries);
 	uint32_t *leaf_tile = download(gpu, &octree->leaf_tile);
+	uint32_t *facet_leaf = download(gpu, &octree->facet_leaf);
 	for (uint64_t i = 0; i < leaf_tiles; i++) {
-		assert_int_equal(leaf_tile[2 * i], r.leaf_tile[2 * i]);
+		bool any = r.leaf_tile[2 * i + 1] != 0;
+		assert_int_equal(facet_leaf[leaf_tile[2 * i]], any ? r.leaf_tile[2 * i] : 0);
 		assert_int_equal(leaf_tile[2 * i + 1] & 0xffffu, r.leaf_tile[2 * i + 1]);
 	}
+	free(facet_leaf);
 	free(leaf_tile);
 	free(faceted);
 	free(cell);
@@ -551,7 +554,7 @@ static double dot(const float *a, const float *b)
 }
 
 typedef struct downloaded {
-	uint32_t *first, *surfel, *tile, *cell;
+	uint32_t *first, *surfel, *tile, *cell, *leaf;
 	float *weight, *geometry, *plane, *centre, *albedo, *emission;
 } downloaded;
 
@@ -562,6 +565,7 @@ static downloaded download_leaves(gw_gpu *gpu, gw_octree *o)
 		.surfel = download(gpu, &o->fragment_surfel),
 		.tile = download(gpu, &o->leaf_tile),
 		.cell = download(gpu, &o->leaf_cell),
+		.leaf = download(gpu, &o->facet_leaf),
 		.weight = download(gpu, &o->fragment_weight),
 		.geometry = download(gpu, &o->leaf_geometry),
 		.plane = download(gpu, &o->facet_plane),
@@ -573,7 +577,7 @@ static downloaded download_leaves(gw_gpu *gpu, gw_octree *o)
 
 static void free_leaves(downloaded *d)
 {
-	void *array[] = { d->first,    d->surfel, d->tile,   d->cell,   d->weight,
+	void *array[] = { d->first,    d->surfel, d->tile,   d->cell,   d->leaf,    d->weight,
 					  d->geometry, d->plane,  d->centre, d->albedo, d->emission };
 	for (size_t i = 0; i < sizeof array / sizeof *array; i++)
 		free(array[i]);
@@ -635,15 +639,33 @@ static void assert_near(const char *what, uint32_t leaf, double got, double expe
 		fail_msg("%s of leaf %u is %.9g, not %.9g", what, leaf, got, expected);
 }
 
+/* What tells of the leaf's tile. */
+static uint32_t octant_of(const downloaded *d, size_t leaf)
+{
+	const uint32_t *c = d->cell + 4 * leaf;
+	return (c[0] & 1) | (c[1] & 1) << 1 | (c[2] & 1) << 2;
+}
+
+/* The number of its first facet. */
+static size_t first_facet(const downloaded *d, size_t leaf)
+{
+	return gw_facet_first(d->tile + 2 * (size_t)d->cell[4 * leaf + 3], octant_of(d, leaf));
+}
+
+static bool has_second(const downloaded *d, size_t leaf)
+{
+	return (d->tile[2 * d->cell[4 * leaf + 3] + 1] >> (16 + octant_of(d, leaf)) & 1) != 0;
+}
+
 static void compare_facet(const gw_surfels *s, const downloaded *d, const leaf_sums *sums,
 						  uint32_t leaf, int facet)
 {
-	size_t slot = 2 * (size_t)leaf + (size_t)facet;
-	const float *plane = d->plane + 4 * slot, *centre = d->centre + 4 * slot;
+	size_t number = first_facet(d, leaf) + (size_t)facet;
+	const float *plane = d->plane + 4 * number, *centre = d->centre + 4 * number;
 	double area = sums->area[facet], length = 0, offset = 0;
 	if (!sums->facet[facet]) {
 		for (int k = 0; k < 4; k++)
-			assert_true(plane[k] == 0 && centre[k] == 0 && d->albedo[4 * slot + (size_t)k] == 0);
+			assert_true(plane[k] == 0 && centre[k] == 0 && d->albedo[4 * number + (size_t)k] == 0);
 		return;
 	}
 	assert_near("area", leaf, (double)centre[3], area, SUM_TOLERANCE * area);
@@ -652,7 +674,7 @@ static void compare_facet(const gw_surfels *s, const downloaded *d, const leaf_s
 	length = sqrt(length);
 	assert_near("normal's length", leaf, dot(plane, plane), 1, 1e-6);
 	for (size_t k = 0; k < 3; k++) {
-		size_t at = 4 * slot + k;
+		size_t at = 4 * number + k;
 		if (length > 0.01 * area)
 			assert_near("normal", leaf, (double)plane[k], sums->normal[facet][k] / length,
 						2 * SUM_TOLERANCE * area / length);
@@ -669,7 +691,7 @@ static void compare_facet(const gw_surfels *s, const downloaded *d, const leaf_s
 	if (fabs(offset) < 0.49) /* else the centre may have been moved into the cell */
 		assert_near("offset", leaf, (double)plane[3], offset, 3e-4);
 	if (fabs(sums->two_sided[facet] - 0.5 * area) > 1e-3 * area)
-		assert_true((d->albedo[4 * slot + 3] == 1) == (sums->two_sided[facet] > 0.5 * area));
+		assert_true((d->albedo[4 * number + 3] == 1) == (sums->two_sided[facet] > 0.5 * area));
 }
 
 /* Returns the area of all facets. */
@@ -678,19 +700,17 @@ static double compare_leaves(gw_gpu *gpu, const gw_surfels *s, gw_octree *octree
 	downloaded d = download_leaves(gpu, octree);
 	double area = 0;
 	for (uint32_t leaf = 0; leaf < octree->leaf_count; leaf++) {
-		const uint32_t *c = d.cell + 4 * leaf;
-		uint32_t octant = (c[0] & 1) | (c[1] & 1) << 1 | (c[2] & 1) << 2;
 		leaf_sums sums = sum_leaf(s, &d, leaf);
-		uint32_t flags = d.tile[2 * c[3] + 1] >> octant;
+		uint32_t flags = d.tile[2 * d.cell[4 * leaf + 3] + 1] >> octant_of(&d, leaf);
 		assert_int_equal(flags & 1, 1);
 		assert_int_equal(flags >> 8 & 1, sums.facet[0]);
 		assert_int_equal(flags >> 16 & 1, sums.facet[1]);
 		for (size_t k = 0; k < 7; k++)
 			assert_near("geometry", leaf, (double)d.geometry[8 * leaf + k], sums.geometry[k],
 						SUM_TOLERANCE * sums.geometry[3] + 1e-30);
-		for (int facet = 0; facet < 2; facet++) {
+		for (int facet = 0; facet < (sums.facet[1] ? 2 : 1); facet++) {
 			compare_facet(s, &d, &sums, leaf, facet);
-			area += (double)d.centre[8 * leaf + 4 * (size_t)facet + 3];
+			area += (double)d.centre[4 * (first_facet(&d, leaf) + (size_t)facet) + 3];
 		}
 	}
 	free_leaves(&d);
@@ -712,7 +732,7 @@ static void test_leaves(void **state)
 		make_scattered(row[i].count, i + 5, 0.03f, &s); /* with emission, and without */
 		assert_ok(gw_octree_build(gpu, &s, row[i].depth, &octree, &error), &error);
 		assert_int_equal(octree.facet_emission.bytes,
-						 s.emission != NULL ? 32 * octree.leaf_count : 16);
+						 s.emission != NULL ? 16 * octree.facet_count : 16);
 		compare_leaves(gpu, &s, &octree);
 		gw_octree_destroy(gpu, &octree);
 		gw_surfels_clear(&s);
@@ -735,20 +755,20 @@ static void test_sphere(void **state)
 	assert_true(fabs(area - 4 * 3.14159265) < 1e-4 * area);
 	downloaded d = download_leaves(gpu, &octree);
 	double worst = 0, sum = 0, opacity = 0;
-	for (uint32_t slot = 0; slot < 2 * octree.leaf_count; slot++) {
+	assert_int_equal(octree.facet_count, octree.leaf_count + 1); /* nothing is 60 degrees apart */
+	for (uint32_t i = 0; i < octree.leaf_count; i++) {
 		double r = 0, cosine = 0;
-		opacity += slot % 2 ? 0 : (double)d.geometry[4 * slot + 3];
-		if (d.centre[4 * slot + 3] == 0)
+		opacity += (double)d.geometry[8 * i + 3];
+		if (d.centre[4 * i + 3] == 0)
 			continue;
-		assert_int_equal(slot % 2, 0); /* nothing here is 60 degrees apart */
 		for (size_t k = 0; k < 3; k++) {
-			double p = (double)d.centre[4 * slot + k] * leaf + (double)octree.cube_minimum[k];
+			double p = (double)d.centre[4 * i + k] * leaf + (double)octree.cube_minimum[k];
 			r += p * p;
-			cosine += p * (double)d.plane[4 * slot + k];
+			cosine += p * (double)d.plane[4 * i + k];
 		}
 		double angle = acos(fmin(1, cosine / sqrt(r)));
 		worst = fmax(worst, angle);
-		sum += angle * (double)d.centre[4 * slot + 3];
+		sum += angle * (double)d.centre[4 * i + 3];
 	}
 	/* A patch has the normal of its surfel, which is up to a disc's radius away. */
 	assert_true(worst < (double)s.radius[0]);
@@ -789,9 +809,9 @@ static void test_plane(void **state)
 	downloaded d = download_leaves(gpu, &octree);
 	double leaf = (double)octree.leaf_size;
 	for (uint32_t i = 0; i < octree.leaf_count; i++) {
-		const float *plane = d.plane + 8 * i;
+		const float *plane = d.plane + 4 * first_facet(&d, i);
 		double height = 0;
-		if (d.centre[8 * i + 3] == 0)
+		if (d.centre[4 * first_facet(&d, i) + 3] == 0)
 			continue;
 		for (size_t k = 0; k < 3; k++) {
 			assert_true(fabsf(plane[k] - normal[k]) < 1e-5f);
@@ -809,20 +829,18 @@ static void test_plane(void **state)
 	close_gpu(gpu);
 }
 
-/* The first facet that a leaf of a cell has, or NULL. */
-static const float *plane_at(const gw_octree *o, const downloaded *d, const uint32_t *cell)
+/* The leaf of a cell, or UINT32_MAX. */
+static uint32_t leaf_at(const gw_octree *o, const downloaded *d, const uint32_t *cell)
 {
 	for (uint32_t leaf = 0; leaf < o->leaf_count; leaf++)
 		if (memcmp(d->cell + 4 * leaf, cell, 3 * sizeof *cell) == 0)
-			return d->plane + 8 * leaf;
-	return NULL;
+			return leaf;
+	return UINT32_MAX;
 }
 
 static bool has_facet(const downloaded *d, uint32_t leaf)
 {
-	const uint32_t *cell = d->cell + 4 * leaf;
-	uint32_t octant = (cell[0] & 1) | (cell[1] & 1) << 1 | (cell[2] & 1) << 2;
-	return (d->tile[2 * cell[3] + 1] >> (8 + octant) & 1) != 0;
+	return (d->tile[2 * d->cell[4 * leaf + 3] + 1] >> (8 + octant_of(d, leaf)) & 1) != 0;
 }
 
 /* An octree without regions has just the leaves with facets, and these to the last bit. */
@@ -838,16 +856,21 @@ static void test_without_regions(void **state)
 	assert_ok(gw_octree_build(gpu, &s, 6, &whole, &error), &error);
 	assert_ok(gw_octree_build_task(gpu, &task, &bare, &error), &error);
 	downloaded all = download_leaves(gpu, &whole),
-			   some = { .cell = download(gpu, &bare.leaf_cell) };
+			   some = { .cell = download(gpu, &bare.leaf_cell),
+						.tile = download(gpu, &bare.leaf_tile) };
 	some.plane = download(gpu, &bare.facet_plane);
 	some.surfel = download(gpu, &bare.fragment_surfel);
 	uint32_t facets = 0;
 	for (uint32_t leaf = 0; leaf < whole.leaf_count; leaf++) {
-		const float *own = plane_at(&bare, &some, all.cell + 4 * leaf);
-		assert_int_equal(own != NULL, has_facet(&all, leaf));
-		facets += own != NULL;
-		if (own)
-			assert_memory_equal(own, all.plane + 8 * leaf, 8 * sizeof *own);
+		uint32_t own = leaf_at(&bare, &some, all.cell + 4 * leaf);
+		assert_int_equal(own != UINT32_MAX, has_facet(&all, leaf));
+		facets += own != UINT32_MAX;
+		if (own == UINT32_MAX)
+			continue;
+		assert_int_equal(has_second(&some, own), has_second(&all, leaf));
+		assert_memory_equal(some.plane + 4 * first_facet(&some, own),
+							all.plane + 4 * first_facet(&all, leaf),
+							(has_second(&all, leaf) ? 32 : 16));
 	}
 	assert_int_equal(facets, bare.leaf_count);
 	assert_true(facets < whole.leaf_count);
@@ -863,18 +886,153 @@ static void test_without_regions(void **state)
 	close_gpu(gpu);
 }
 
+/* --------------------------------------------------------------------------------- numbering */
+
+/* The octree's numbers are these: no gaps, every facet's leaf and back, the empty one last. Returns
+ * how many leaves have two facets. */
+static uint32_t check_numbers(const gw_octree *o, const downloaded *d)
+{
+	uint32_t next = 0, seconds = 0;
+	for (uint32_t leaf = 0; leaf < o->leaf_count; leaf++) {
+		bool joined = false;
+		for (uint32_t f = d->first[leaf]; f < d->first[leaf + 1]; f++)
+			joined |= (d->surfel[f] & GW_FRAGMENT_FACET) != 0;
+		assert_int_equal(has_second(d, leaf), joined);
+		assert_int_equal(first_facet(d, leaf), next);
+		assert_int_equal(d->leaf[next], leaf);
+		if (joined)
+			assert_int_equal(d->leaf[next + 1], leaf | GW_FACET_SECOND);
+		next += joined ? 2 : 1;
+		seconds += joined;
+	}
+	assert_int_equal(next + 1, o->facet_count);
+	assert_true(gw_facet_is_second(d->leaf[next]));
+	size_t empty_of = gw_facet_leaf(d->leaf[next]);
+	assert_true(empty_of < o->leaf_count);
+	assert_true(seconds == o->leaf_count || !has_second(d, empty_of));
+	for (size_t k = 4 * (size_t)next; k < 4 * (size_t)next + 4; k++)
+		assert_true(d->plane[k] == 0 && d->centre[k] == 0 && d->albedo[k] == 0);
+	assert_true(gw_octree_numbers_fit(o, d->leaf, d->tile));
+	return seconds;
+}
+
+/* Puts a word in place of another one, with which the numbers must not fit. */
+static void assert_refused(const gw_octree *o, const downloaded *d, uint32_t *word, uint32_t wrong)
+{
+	uint32_t right = *word;
+	*word = wrong;
+	assert_false(gw_octree_numbers_fit(o, d->leaf, d->tile));
+	*word = right;
+	assert_true(gw_octree_numbers_fit(o, d->leaf, d->tile));
+}
+
+static void check_refusals(const gw_octree *o, const downloaded *d)
+{
+	uint32_t last = o->facet_count - 1, leaf = o->leaf_count / 2, one = 0, two = 0;
+	while (has_second(d, one))
+		one++;
+	while (!has_second(d, two))
+		two++;
+	size_t facet = first_facet(d, leaf), of_one = first_facet(d, one), of_two = first_facet(d, two);
+	assert_refused(o, d, &d->leaf[facet], leaf + 1);
+	assert_refused(o, d, &d->leaf[facet], leaf | GW_FACET_SECOND);
+	assert_refused(o, d, &d->leaf[of_one], one | GW_FACET_SECOND);
+	assert_refused(o, d, &d->leaf[of_two + 1], two);
+	assert_refused(o, d, &d->leaf[of_two + 1], (two + 1) | GW_FACET_SECOND);
+	assert_refused(o, d, &d->leaf[last], 0);
+	assert_refused(o, d, &d->leaf[last], o->leaf_count | GW_FACET_SECOND);
+	uint32_t *tile = d->tile + 2 * (size_t)d->cell[4 * one + 3];
+	assert_refused(o, d, &tile[0], last);
+	assert_refused(o, d, &tile[1], tile[1] | 1u << (16 + octant_of(d, one)));
+	assert_refused(o, d, &tile[1], tile[1] & ~(1u << octant_of(d, one)));
+}
+
+/* Surfels so small that each lies in the leaf of its place alone: of every n-th place there is a
+ * second one, which faces along x; 0: of none. */
+static void make_crossed(size_t places, size_t n, gw_surfels *s)
+{
+	size_t count = places;
+	for (size_t i = 0; i < places; i++)
+		count += n > 0 && i % n == 0;
+	assert_true(octree_points_make(count, false, s));
+	uint64_t seed = 5;
+	for (size_t i = 0, at = 0; i < places; i++) {
+		float *p = s->position + 3 * at++;
+		for (int k = 0; k < 3; k++)
+			p[k] = (float)octree_points_random(&seed);
+		if (n == 0 || i % n != 0)
+			continue;
+		memcpy(s->position + 3 * at, p, 3 * sizeof *p);
+		s->normal[3 * at] = 1.0f;
+		s->normal[3 * at++ + 2] = 0.0f;
+	}
+	for (size_t i = 0; i < count; i++) {
+		s->radius[i] = s->nearest[i] = 1e-9f;
+		s->area[i] = 1e-18f;
+	}
+	octree_points_bound(s);
+}
+
+/* Leaves without second facets, some that have one, and none without. */
+static void test_numbers(void **state)
+{
+	(void)state;
+	gw_gpu *gpu = open_gpu((gw_gpu_options){ 0 });
+	const size_t every[] = { 0, 3, 1 };
+	for (size_t i = 0; i < sizeof every / sizeof *every; i++) {
+		gw_error error = { 0 };
+		gw_surfels s;
+		gw_octree octree;
+		make_crossed(4000, every[i], &s);
+		if (every[i] > 0)
+			s.transparency = calloc(s.count, sizeof *s.transparency);
+		assert_ok(gw_octree_build(gpu, &s, 5, &octree, &error), &error);
+		downloaded d = download_leaves(gpu, &octree);
+		uint32_t seconds = check_numbers(&octree, &d);
+		assert_true(octree.leaf_count > 3000);
+		if (every[i] == 0)
+			assert_int_equal(seconds, 0);
+		else if (every[i] == 1)
+			assert_int_equal(seconds, octree.leaf_count);
+		else
+			assert_in_range(seconds, 1000, octree.leaf_count - 1000);
+		assert_int_equal(octree.dark_facet, every[i] > 0 ? octree.facet_count : 0);
+		if (every[i] == 3)
+			check_refusals(&octree, &d);
+		free_leaves(&d);
+		gw_octree_destroy(gpu, &octree);
+		gw_surfels_clear(&s);
+	}
+	close_gpu(gpu);
+}
+
 /* ------------------------------------------------------------------------------ circumstances */
 
-#define BUFFERS 19
+#define BUFFERS 20
 
 static void list_buffers(gw_octree *o, gw_buffer *list[BUFFERS])
 {
 	gw_buffer *all[BUFFERS] = {
-		&o->node,          &o->tile_key,        &o->tile_neighbour,      &o->leaf_tile_key,
-		&o->leaf_tile,     &o->leaf_cell,       &o->leaf_tile_neighbour, &o->level_directory,
-		&o->ray_directory, &o->leaf_geometry,   &o->facet_plane,         &o->facet_centre,
-		&o->facet_albedo,  &o->facet_emission,  &o->leaf_fragment,       &o->fragment_surfel,
-		&o->surfel_normal, &o->surfel_position, &o->fragment_weight,
+		&o->node,
+		&o->tile_key,
+		&o->tile_neighbour,
+		&o->leaf_tile_key,
+		&o->leaf_tile,
+		&o->leaf_cell,
+		&o->leaf_tile_neighbour,
+		&o->level_directory,
+		&o->ray_directory,
+		&o->leaf_geometry,
+		&o->facet_leaf,
+		&o->facet_plane,
+		&o->facet_centre,
+		&o->facet_albedo,
+		&o->facet_emission,
+		&o->leaf_fragment,
+		&o->fragment_surfel,
+		&o->surfel_normal,
+		&o->surfel_position,
+		&o->fragment_weight,
 	};
 	memcpy(list, all, sizeof all);
 }
@@ -1003,6 +1161,7 @@ static void test_wider_leaves(void **state)
 	gpu->device.properties.limits.maxStorageBufferRange = 4 * most;
 	assert_ok(gw_octree_build_task(gpu, &task, &octree, &error), &error);
 	uint64_t uploaded = gw_gpu_read_account(gpu).uploaded_bytes - before;
+	uint64_t numbers = 4 * (uint64_t)octree.facet_count + 8 * (uint64_t)octree.leaf_tile_count;
 	assert_true(octree.fragment_count <= most && octree.wanted_leaf_size > 0.0f);
 	gw_octree_destroy(gpu, &octree);
 	gpu->device.properties.limits.maxStorageBufferRange = UINT32_MAX;
@@ -1013,9 +1172,10 @@ static void test_wider_leaves(void **state)
 		gw_octree_destroy(gpu, &octree);
 	}
 	/* Of 6 times as many, one step and two are too few for certain. A try takes 80 bytes a point,
-	 * what is built 48 more for colours and discs, and a page for what is no point's. */
+	 * what is built 48 more for colours and discs, numbers of facets, which come from the host, and
+	 * a page for what is no point's. */
 	assert_true(steps >= 3);
-	assert_in_range(uploaded, 1, s.count * (80 * (uint64_t)(steps - 1) + 48) + 4096);
+	assert_in_range(uploaded, 1, s.count * (80 * (uint64_t)(steps - 1) + 48) + numbers + 4096);
 	gw_surfels_clear(&s);
 	close_gpu(gpu);
 }
@@ -1058,6 +1218,7 @@ int main(void)
 		cmocka_unit_test(test_sphere),
 		cmocka_unit_test(test_plane),
 		cmocka_unit_test(test_without_regions),
+		cmocka_unit_test(test_numbers),
 		cmocka_unit_test(test_repeatable),
 		cmocka_unit_test(test_odd_surfels),
 		cmocka_unit_test(test_refusals),

@@ -52,7 +52,7 @@ static void clear_facets(facets *l)
 	free(l->plane);
 }
 
-/* A ball, floors 1.5 cells apart and facets anywhere; every seventh slot is unused. */
+/* A ball, floors 1.5 cells apart and facets anywhere; every seventh has no area. */
 static facets make_mixed(void)
 {
 	facets l = make_facets(6000);
@@ -104,7 +104,7 @@ static size_t place(const facets *l, float spacing, float radius, uint64_t seed,
 	gw_error error = { 0 };
 	const gw_place_task task = { .centre = l->centre,
 								 .plane = l->plane,
-								 .slots = l->count,
+								 .facets = l->count,
 								 .spacing = spacing,
 								 .radius = radius,
 								 .seed = seed };
@@ -125,7 +125,7 @@ static void one_order_for_all_spacings(void **state)
 	const float spacings[] = { 0.8f, 2.0f, 6.0f };
 	facets l = make_mixed();
 	gw_dart_order order;
-	gw_place_task task = { .centre = l.centre, .plane = l.plane, .slots = l.count, .seed = 9 };
+	gw_place_task task = { .centre = l.centre, .plane = l.plane, .facets = l.count, .seed = 9 };
 	task.spacing = 1.0f;
 	assert_int_equal(gw_dart_order_make(&task, &order, NULL), GW_OK);
 	assert_true(order.count > 0 && order.count <= l.count);
@@ -245,8 +245,8 @@ static void separate_surfaces(void **state)
 	clear_facets(&l);
 }
 
-/* Where a slot's own spacing is smaller, further records are put until each slot has one within its
- * own; those that were there stay, in front, and elsewhere none is put. */
+/* Where a facet's own spacing is smaller, further records are put until each facet has one within
+ * its own; those that were there stay, in front, and elsewhere none is put. */
 static void closer_in_places(void **state)
 {
 	(void)state;
@@ -260,7 +260,7 @@ static void closer_in_places(void **state)
 		closer[i] = l.centre[4 * i] < 32.0f ? 2.0f : spacing;
 	gw_place_task task = { .centre = l.centre,
 						   .plane = l.plane,
-						   .slots = l.count,
+						   .facets = l.count,
 						   .spacing = spacing,
 						   .radius = radius,
 						   .closer = closer,
