@@ -16,10 +16,10 @@
 
 #include <cmocka.h>
 
-static void make_box(scene *s)
+static void make_box(scene *s, double per_metre)
 {
 	const float lamp[3] = { 2.0f, 1.0f, 0.5f };
-	scene_add_box(s, (double[3]){ 0, 0, 0 }, (double[3]){ 1, 1, 1 }, 24, 0.7f);
+	scene_add_box(s, (double[3]){ 0, 0, 0 }, (double[3]){ 1, 1, 1 }, per_metre, 0.7f);
 	for (size_t i = 0; i < 24; i++)
 		scene_emit(s, i, lamp);
 }
@@ -65,7 +65,7 @@ static void a_bounce_is_one_submission(void **state)
 	(void)state;
 	static const gw_method methods[] = { GW_METHOD_RAYS, GW_METHOD_CONES, GW_METHOD_VOLUME };
 	scene s = { 0 };
-	make_box(&s);
+	make_box(&s, 24);
 	const gw_points points = scene_points(&s);
 	for (size_t i = 0; i < sizeof methods / sizeof *methods; i++) {
 		gw_stage few = bounce_stage(&points, 3, methods[i]);
@@ -190,13 +190,13 @@ static void sums_are_right(void **state)
 	gw_light_sum facets[2], records[2];
 	gw_error error;
 	scene s = { 0 };
-	make_box(&s);
+	make_box(&s, 36);
 	const gw_points points = scene_points(&s);
 	prepare(&d, &points);
 	gw_gpu *gpu = d.scene.gpu;
-	size_t facets = d.scene.octree.facet_count, count = d.scene.records.count;
-	draw_light(&d, facets);
-	gw_buffer light = upload(&d, d.light, facets);
+	size_t numbers = d.scene.octree.facet_count, count = d.scene.records.count;
+	draw_light(&d, numbers);
+	gw_buffer light = upload(&d, d.light, numbers);
 	float *weight =
 		bytes_of(&d, &d.scene.octree.facet_centre, count); /* any that are not below 0 */
 	gw_buffer power = upload(&d, weight, count);
@@ -228,7 +228,7 @@ static void bounces_tell_the_same(void **state)
 {
 	(void)state;
 	scene s = { 0 };
-	make_box(&s);
+	make_box(&s, 24);
 	const gw_points points = scene_points(&s);
 	gw_bake_options options = options_of(6);
 	gw_bake_result *device = scene_bake(&points, NULL, 0, &options);
