@@ -17,8 +17,9 @@
 #define DISC_LOOPS (19u * 19u * 5u + 27u)
 #define SEARCH_LOOPS (7u * 34u)
 
-/* Samples of emitters and the sky, and rays that may have met a portal, of one invocation. */
-#define LIGHT_BATCH 16u
+/* Samples of the sky, and rays that may have met a portal, of one invocation; of emitters it takes
+ * GW_EMITTER_BATCH. */
+#define SKY_BATCH 16u
 #define PORTAL_BATCH 32u
 
 /* Facets that send light into a cell, of one invocation. */
@@ -89,10 +90,10 @@ static const gw_pass_row table[GW_PASS_COUNT] = {
 	[GW_PASS_RECORD_AGAIN] = { "record_again", "ttttttttsstttttttts", sizeof(gw_keep_push), 4096,
 							   .cpu = gw_cpu_record_again },
 	[GW_PASS_RECORD_EMITTERS] = { "record_emitters", "tttttttssstttttttttss",
-								  sizeof(gw_record_push), 4096, BATCHES_OF(LIGHT_BATCH),
+								  sizeof(gw_record_push), 4096, BATCHES_OF(SKY_BATCH),
 								  .cpu = gw_cpu_record_emitters },
 	[GW_PASS_RECORD_SKY] = { "record_sky", "tttttttssstttttttttss", sizeof(gw_record_push), 4096,
-							 BATCHES_OF(LIGHT_BATCH), .cpu = gw_cpu_record_sky },
+							 BATCHES_OF(SKY_BATCH), .cpu = gw_cpu_record_sky },
 	[GW_PASS_RECORD_PORTALS] = { "record_portals", "ttttttttstttttttts", sizeof(gw_record_push),
 								 4096, .cpu = gw_cpu_record_portals },
 	[GW_PASS_PORTAL_LIGHT] = { "portal_light", "ttttssss", sizeof(gw_record_push), 4096,

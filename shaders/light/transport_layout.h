@@ -28,6 +28,10 @@
  * (30 degrees) never receive less than nothing. */
 #define GW_TANGENT_MOST 2.0f
 
+/* Samples of emitters that are compared with each other, to ask of those that matter whether they
+ * are seen. */
+#define GW_EMITTER_BATCH 64u
+
 /* Samples of the portals that a record takes: one bit each of a word. */
 #define GW_PORTAL_SAMPLES 32u
 

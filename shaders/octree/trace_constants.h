@@ -122,6 +122,7 @@
 
 /* Set the random numbers of a record's samples apart from those of its rays. */
 #define GW_EMITTER_SEED 0x68bc21ebu
+#define GW_ROULETTE_SEED 0x5bd1e995u
 #define GW_SKY_SEED 0x5851f42du
 #define GW_OPACITY_SEED 0x3c6ef372u
 
