@@ -14,7 +14,7 @@ typedef struct gw_probe_hits {
 	size_t count;    /* of probes */
 	uint32_t size;   /* texels a side of their maps */
 	float *place;    /* 4 a probe: grid coordinates, and 0 */
-	uint32_t *facet; /* a texel: GW_NONE where nothing is, and twice the leaves where rays slipped
+	uint32_t *facet; /* a texel: GW_NONE where nothing is, and facet_count where rays slipped
 						through rock and nobody knows what is there: it counts as dark and far */
 	float *distance; /* a texel: leaf cells, where a facet is */
 } gw_probe_hits;

@@ -34,7 +34,7 @@ gw_status gw_read_back_make_some(const gw_record_context *on, const gw_buffer *r
 
 /*
  * Gives surfels whose rows are empty those of the facets that they lie in.
- *   facet    one a surfel: its facet, or GW_NONE
+ *   facet   one a surfel: its facet, or GW_NONE
  * On failure the rows are as they were.
  */
 gw_status gw_read_back_take_facets(const gw_record_context *on, const uint32_t *facet,
