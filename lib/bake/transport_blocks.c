@@ -140,7 +140,7 @@ bool gw_transport_numbers_fit(const gw_transport_numbers *n)
 		   n->check_points_lit <= (n->emits == 1 && n->check_points > 0) &&
 		   isfinite(n->leaf_size) && n->leaf_size > 0.0f && n->block_level < n->depth &&
 		   n->leaves > 0 && n->leaves <= INT32_MAX / 2 && n->facets > n->leaves &&
-		   n->facets <= 2 * n->leaves + 1 && (n->dark_facet == 0 || n->dark_facet == n->facets) &&
+		   n->facets <= 2 * n->leaves + 1 && n->dark_facet <= GW_FACET_EMPTY + 1 &&
 		   n->facet_rows > 0 && n->facet_rows <= n->facets && isfinite(n->wanted_leaf_size) &&
 		   memchr(n->why_coarser, 0, sizeof n->why_coarser) != NULL &&
 		   (uint64_t)n->tiles * 8 < UINT32_MAX && (uint64_t)n->leaf_tiles * 8 < UINT32_MAX;

@@ -96,11 +96,11 @@ typedef struct leaf_facets {
 } leaf_facets;
 
 /* The leaf of facet number `first`. */
-static leaf_facets leaf_with(const leaf_arrays *arrays, size_t first)
+static leaf_facets leaf_with(const leaf_arrays *arrays, size_t first, size_t facets)
 {
 	const uint32_t *word = arrays->leaf.bytes;
 	size_t leaf = gw_facet_leaf(word[first]), end = first + 1;
-	end += gw_facet_is_second(word[end]) && gw_facet_leaf(word[end]) == leaf;
+	end += end < facets && gw_facet_is_second(word[end]);
 	return (leaf_facets){ leaf, first, end };
 }
 
@@ -150,8 +150,8 @@ gw_status gw_voxels_collect(const gw_voxels_task *task, gw_voxels *voxels, gw_er
 	gw_status status = fetch_all(task, &arrays, error);
 	if (status == GW_OK)
 		status = allocate(octree->leaf_count, voxels, error);
-	for (size_t facet = 0; facet + 1 < octree->facet_count && status == GW_OK;) {
-		const leaf_facets of = leaf_with(&arrays, facet);
+	for (size_t facet = GW_FACET_EMPTY + 1; facet < octree->facet_count && status == GW_OK;) {
+		const leaf_facets of = leaf_with(&arrays, facet, octree->facet_count);
 		fill_voxel(&arrays, &of, voxels);
 		facet = of.end;
 	}

@@ -55,9 +55,9 @@ static gw_status fetch_facets(gw_gpu *gpu, const gw_octree *octree, uint64_t **k
 		status =
 			gw_view_open(gpu, &octree->leaf_cell, 16 * (uint64_t)octree->leaf_count, &cell, error);
 	if (status == GW_OK)
-		status = gw_view_open(gpu, &octree->facet_leaf, 4 * (uint64_t)n, &leaf, error);
+		status = gw_view_open(gpu, &octree->facet_leaf, 4 * ((uint64_t)n + 1), &leaf, error);
 	for (size_t i = 0; i < n && status == GW_OK; i++) {
-		uint32_t word = ((const uint32_t *)leaf.bytes)[i];
+		uint32_t word = ((const uint32_t *)leaf.bytes)[GW_FACET_EMPTY + 1 + i];
 		const uint32_t *at = (const uint32_t *)cell.bytes + 4 * gw_facet_leaf(word);
 		(*key)[i] = 2 * gw_morton_encode(at[0], at[1], at[2]) + gw_facet_is_second(word);
 	}
@@ -186,11 +186,12 @@ static bool match_keys(const gw_kept_hits *kept, const uint64_t *key, uint32_t c
 	for (uint32_t i = 0; i + 1 < kept->facet_count; i++) {
 		while (at + 2 < count && key[at] < kept->facet_key[i])
 			at++;
-		now[i] = key[at] == kept->facet_key[i] ? at : count - 1;
+		now[GW_FACET_EMPTY + 1 + i] =
+			key[at] == kept->facet_key[i] ? GW_FACET_EMPTY + 1 + at : GW_FACET_EMPTY;
 		if (key[at] != kept->facet_key[i] && kept->facet_key[i] % 2 == 0)
 			return false;
 	}
-	now[kept->facet_count - 1] = count - 1;
+	now[GW_FACET_EMPTY] = GW_FACET_EMPTY;
 	return true;
 }
 

@@ -189,7 +189,7 @@ static gw_status turn_hits(const gw_record_context *on, const gw_labelled_rays *
 	size_t count = from->count, turned = 0;
 	uint32_t rays = from->rays;
 	l->outside = gw_compartment_outside(on->octree);
-	l->empty = on->octree->facet_count - 1;
+	l->empty = GW_FACET_EMPTY;
 	l->facet = from->facet ? from->facet : gw_compartments_of_facets(on->octree);
 	l->hit = gw_allocate_array(count, rays * sizeof *l->hit);
 	if (!l->hit)

@@ -231,9 +231,10 @@ gw_status gw_surface_tree_make(gw_gpu *gpu, const gw_octree *octree, gw_surface_
 						   : gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu facets", facets);
 	for (size_t i = 0; i < facets && status == GW_OK; i++)
 		make_facet(&l, i, &tree->piece[i]);
-	/* The empty one, which follows that, makes no node. */
+	/* The empty one, which that follows, makes no node. */
 	if (status == GW_OK)
-		memcpy(tree->piece[facets - 1].low, tree->piece[facets - 2].low, sizeof tree->piece->low);
+		memcpy(tree->piece[GW_FACET_EMPTY].low, tree->piece[GW_FACET_EMPTY + 1].low,
+			   sizeof tree->piece->low);
 	close_leaves(&l);
 	if (status == GW_OK)
 		status = add_levels(octree, tree, error);

@@ -83,7 +83,7 @@ static gw_status part_all(gw_gpu *gpu, parting *p, gw_error *error)
 	p->leaf = leaf.bytes;
 	p->first = first.bytes;
 	p->fragment = fragment.bytes;
-	for (size_t facet = 0; facet + 1 < o->facet_count && status == GW_OK; facet++) {
+	for (size_t facet = GW_FACET_EMPTY + 1; facet < o->facet_count && status == GW_OK; facet++) {
 		if (!leave_out(p, facet))
 			continue;
 		add_up_again(p, facet);

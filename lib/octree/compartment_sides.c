@@ -839,7 +839,8 @@ gw_status gw_compartments_label_facets(gw_gpu *gpu, gw_octree *octree, gw_error 
 	const uint32_t *first = v.leaf_fragment.bytes, *fragment = v.fragment_surfel.bytes;
 	const uint32_t *leaf_of_facet = v.facet_leaf.bytes;
 	const float *normal = v.normal.bytes;
-	for (size_t i = 0; i < octree->facet_count && status == GW_OK; i++) {
+	label[GW_FACET_EMPTY] = GW_COMPARTMENT_UNKNOWN;
+	for (size_t i = GW_FACET_EMPTY + 1; i < octree->facet_count && status == GW_OK; i++) {
 		size_t leaf = gw_facet_leaf(leaf_of_facet[i]);
 		votes of = { .used = 0 };
 		for (uint32_t f = first[leaf]; f < first[leaf + 1]; f++) {

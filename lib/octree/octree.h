@@ -47,7 +47,7 @@ typedef struct gw_octree {
 	uint32_t directory_level;
 
 	uint32_t leaf_count;
-	/* numbers of facets, of which the last is the empty one */
+	/* numbers of facets, of which GW_FACET_EMPTY is that of the empty one */
 	uint32_t facet_count;
 	/* with border tiles */
 	uint32_t leaf_tile_count;
@@ -96,7 +96,7 @@ typedef struct gw_octree {
 
 	/* Leaves. A leaf holds at most two facets: planes with the mean of what lies in the leaf. They
 	 * are numbered in the order of leaves, a second one after the first one of its leaf; every leaf
-	 * has a number for its first facet, which is all zero where it holds none. Behind them comes
+	 * has a number for its first facet, which is all zero where it holds none. Before them comes
 	 * the empty facet, which is all zero, too, and counts as the second one of a leaf that holds
 	 * none, if there is such a leaf, so that it has no fragments. */
 	/* R32_UINT, facet_count: bits 0-30 the leaf, bit 31 whether it is that one's second */

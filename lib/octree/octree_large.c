@@ -31,7 +31,7 @@ bool gw_octree_disc_is_large(const gw_octree *octree, const gw_surfels *surfels,
 static void enter_facets(const gw_octree *octree, const uint32_t *leaf_of, const uint32_t *first,
 						 const uint32_t *surfel, uint32_t *facet)
 {
-	for (uint32_t i = 0; i < octree->facet_count; i++) {
+	for (uint32_t i = GW_FACET_EMPTY + 1; i < octree->facet_count; i++) {
 		size_t leaf = gw_facet_leaf(leaf_of[i]);
 		for (uint32_t f = first[leaf]; f < first[leaf + 1]; f++) {
 			uint32_t *own = facet + (surfel[f] & GW_FRAGMENT_SURFEL);

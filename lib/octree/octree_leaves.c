@@ -120,7 +120,7 @@ static gw_status add_up_facets(gw_octree_work *work, gw_leaves_push push, uint32
 	for (uint64_t from = 0; from < longest; from += GW_REDUCE_RUN) {
 		push.from = (uint32_t)from;
 		GW_TRY(gw_passes_run(&work->passes, GW_PASS_OCTREE_FACETS, adding, &push,
-							 octree->facet_count - 1, error));
+							 octree->facet_count, error));
 	}
 	return GW_OK;
 }
@@ -141,8 +141,8 @@ static gw_status finish(gw_octree_work *work, gw_leaves_push push, gw_error *err
 		GW_WHOLE(&octree->leaf_tile),
 		GW_WHOLE(&work->ray_mark),
 	};
-	return gw_passes_run(&work->passes, GW_PASS_OCTREE_FINISH, bindings, &push,
-						 octree->facet_count - 1, error);
+	return gw_passes_run(&work->passes, GW_PASS_OCTREE_FINISH, bindings, &push, octree->facet_count,
+						 error);
 }
 
 /* The least of the 13 cells around one that come before it in the order of z, y, x; step is -1, and

@@ -14,7 +14,7 @@ static bool has_second(const uint32_t *seed, size_t leaf)
 /* Fills facet_leaf. */
 static void list_facets(const uint32_t *seed, uint32_t leaves, uint32_t *facet_leaf)
 {
-	uint32_t facet = 0, without = 0;
+	uint32_t facet = GW_FACET_EMPTY + 1, without = 0;
 	for (uint32_t leaf = 0; leaf < leaves; leaf++) {
 		facet_leaf[facet++] = leaf;
 		if (has_second(seed, leaf))
@@ -22,13 +22,13 @@ static void list_facets(const uint32_t *seed, uint32_t leaves, uint32_t *facet_l
 	}
 	while (without < leaves && has_second(seed, without))
 		without++;
-	facet_leaf[facet] = (without < leaves ? without : 0) | GW_FACET_SECOND;
+	facet_leaf[GW_FACET_EMPTY] = (without < leaves ? without : 0) | GW_FACET_SECOND;
 }
 
 /* Of tiles, whose leaves come in the same order, first facets in place of first leaves. */
 static void enter_facets(const uint32_t *facet_leaf, uint32_t tiles, uint32_t *leaf_tile)
 {
-	uint32_t facet = 0;
+	uint32_t facet = GW_FACET_EMPTY + 1;
 	for (size_t i = 0; i < tiles; i++) {
 		if (leaf_tile[2 * i + 1] == 0)
 			continue;
@@ -68,7 +68,7 @@ gw_status gw_octree_number_facets(gw_octree_work *work, gw_error *error)
 	octree->facet_count = octree->leaf_count + 1;
 	for (size_t leaf = 0; leaf < octree->leaf_count; leaf++)
 		octree->facet_count += has_second(seed.bytes, leaf);
-	octree->dark_facet = work->surfels->transparency != NULL ? octree->facet_count : 0;
+	octree->dark_facet = work->surfels->transparency != NULL ? GW_FACET_EMPTY + 1 : 0;
 	gw_status status = write_numbers(work, seed.bytes, error);
 	gw_view_close(&seed);
 	return status;
@@ -79,9 +79,9 @@ gw_status gw_octree_number_facets(gw_octree_work *work, gw_error *error)
 /* Are there as many leaves, each with one facet or two that follow each other? */
 static bool leaves_fit(const gw_octree *octree, const uint32_t *facet_leaf)
 {
-	uint32_t last = octree->facet_count - 1, leaves = 0;
+	uint32_t empty = facet_leaf[GW_FACET_EMPTY], leaves = 0;
 	bool alone = false;
-	for (uint32_t i = 0; i < last; i++) {
+	for (uint32_t i = GW_FACET_EMPTY + 1; i < octree->facet_count; i++) {
 		bool second = gw_facet_is_second(facet_leaf[i]);
 		if (second && !alone)
 			return false;
@@ -90,12 +90,12 @@ static bool leaves_fit(const gw_octree *octree, const uint32_t *facet_leaf)
 		if (gw_facet_leaf(facet_leaf[i]) + 1 != leaves)
 			return false;
 	}
-	return leaves == octree->leaf_count && gw_facet_is_second(facet_leaf[last]) &&
-		   gw_facet_leaf(facet_leaf[last]) < leaves;
+	return leaves == octree->leaf_count && gw_facet_is_second(empty) &&
+		   gw_facet_leaf(empty) < leaves;
 }
 
 /* Does a tile count its facets as they are? */
-static bool tile_fits(const uint32_t *facet_leaf, uint32_t last, const uint32_t tile[2])
+static bool tile_fits(const uint32_t *facet_leaf, uint32_t facets, const uint32_t tile[2])
 {
 	uint32_t has = tile[1] >> 8 | tile[1] >> 16 | tile[1] >> 24;
 	if ((has & ~tile[1] & 0xffu) != 0)
@@ -104,10 +104,10 @@ static bool tile_fits(const uint32_t *facet_leaf, uint32_t last, const uint32_t 
 		uint32_t facet = gw_facet_first(tile, octant);
 		if ((tile[1] >> octant & 1u) == 0)
 			continue;
-		if (facet >= last || gw_facet_is_second(facet_leaf[facet]))
+		if (facet >= facets || gw_facet_is_second(facet_leaf[facet]))
 			return false;
 		if ((tile[1] >> (16 + octant) & 1u) != 0 &&
-			(facet + 1 >= last || !gw_facet_is_second(facet_leaf[facet + 1])))
+			(facet + 1 >= facets || !gw_facet_is_second(facet_leaf[facet + 1])))
 			return false;
 	}
 	return true;
@@ -118,6 +118,6 @@ bool gw_octree_numbers_fit(const gw_octree *octree, const uint32_t *facet_leaf,
 {
 	bool fit = leaves_fit(octree, facet_leaf);
 	for (size_t i = 0; i < octree->leaf_tile_count && fit; i++)
-		fit = tile_fits(facet_leaf, octree->facet_count - 1, leaf_tile + 2 * i);
+		fit = tile_fits(facet_leaf, octree->facet_count, leaf_tile + 2 * i);
 	return fit;
 }

@@ -51,7 +51,7 @@ vec3 patch_centroid(uint fragment, uvec3 cell, vec3 position, vec3 bend, inout v
 void main()
 {
 	uint local = gl_GlobalInvocationID.x;
-	if (local >= push.count)
+	if (local >= push.count || push.first + local == GW_FACET_EMPTY)
 		return;
 	uint own = texelFetch(facet_leaf, int(push.first + local)).x, leaf = leaf_of(own);
 	uint begin = texelFetch(leaf_fragment, int(leaf)).x + push.from;

@@ -79,7 +79,7 @@ bool finish_facet(uint local, uvec3 cell, uint first, bool seed_foliage)
 void main()
 {
 	uint local = gl_GlobalInvocationID.x;
-	if (local >= push.count)
+	if (local >= push.count || push.first + local == GW_FACET_EMPTY)
 		return;
 	uint own = texelFetch(facet_leaf, int(push.first + local)).x;
 	uvec4 cell = texelFetch(leaf_cell, int(leaf_of(own)));

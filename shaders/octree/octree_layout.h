@@ -24,6 +24,9 @@
 #define GW_FRAGMENT_FACET 0x40000000u
 #define GW_FRAGMENT_ROI 0x80000000u
 
+/* The number of the facet that is empty (octree.h). */
+#define GW_FACET_EMPTY 0u
+
 /* Parts of facet_leaf: the leaf of a facet, and whether it is the second one there. */
 #define GW_FACET_LEAF 0x7fffffffu
 #define GW_FACET_SECOND 0x80000000u

@@ -307,7 +307,10 @@ static void compare_topology(gw_gpu *gpu, gw_octree *octree)
 	uint32_t *facet_leaf = download(gpu, &octree->facet_leaf);
 	for (uint64_t i = 0; i < leaf_tiles; i++) {
 		bool any = r.leaf_tile[2 * i + 1] != 0;
-		assert_int_equal(facet_leaf[leaf_tile[2 * i]], any ? r.leaf_tile[2 * i] : 0);
+		if (any)
+			assert_int_equal(facet_leaf[leaf_tile[2 * i]], r.leaf_tile[2 * i]);
+		else
+			assert_int_equal(leaf_tile[2 * i], 0);
 		assert_int_equal(leaf_tile[2 * i + 1] & 0xffffu, r.leaf_tile[2 * i + 1]);
 	}
 	free(facet_leaf);
@@ -759,16 +762,17 @@ static void test_sphere(void **state)
 	for (uint32_t i = 0; i < octree.leaf_count; i++) {
 		double r = 0, cosine = 0;
 		opacity += (double)d.geometry[8 * i + 3];
-		if (d.centre[4 * i + 3] == 0)
+		const float *centre = d.centre + 4 * first_facet(&d, i);
+		if (centre[3] == 0)
 			continue;
 		for (size_t k = 0; k < 3; k++) {
-			double p = (double)d.centre[4 * i + k] * leaf + (double)octree.cube_minimum[k];
+			double p = (double)centre[k] * leaf + (double)octree.cube_minimum[k];
 			r += p * p;
-			cosine += p * (double)d.plane[4 * i + k];
+			cosine += p * (double)d.plane[4 * first_facet(&d, i) + k];
 		}
 		double angle = acos(fmin(1, cosine / sqrt(r)));
 		worst = fmax(worst, angle);
-		sum += angle * (double)d.centre[4 * i + 3];
+		sum += angle * (double)centre[3];
 	}
 	/* A patch has the normal of its surfel, which is up to a disc's radius away. */
 	assert_true(worst < (double)s.radius[0]);
@@ -888,11 +892,11 @@ static void test_without_regions(void **state)
 
 /* --------------------------------------------------------------------------------- numbering */
 
-/* The octree's numbers are these: no gaps, every facet's leaf and back, the empty one last. Returns
- * how many leaves have two facets. */
+/* The octree's numbers are these: no gaps, every facet's leaf and back, the empty one first.
+ * Returns how many leaves have two facets. */
 static uint32_t check_numbers(const gw_octree *o, const downloaded *d)
 {
-	uint32_t next = 0, seconds = 0;
+	uint32_t next = GW_FACET_EMPTY + 1, seconds = 0;
 	for (uint32_t leaf = 0; leaf < o->leaf_count; leaf++) {
 		bool joined = false;
 		for (uint32_t f = d->first[leaf]; f < d->first[leaf + 1]; f++)
@@ -905,12 +909,12 @@ static uint32_t check_numbers(const gw_octree *o, const downloaded *d)
 		next += joined ? 2 : 1;
 		seconds += joined;
 	}
-	assert_int_equal(next + 1, o->facet_count);
-	assert_true(gw_facet_is_second(d->leaf[next]));
-	size_t empty_of = gw_facet_leaf(d->leaf[next]);
+	assert_int_equal(next, o->facet_count);
+	assert_true(gw_facet_is_second(d->leaf[GW_FACET_EMPTY]));
+	size_t empty_of = gw_facet_leaf(d->leaf[GW_FACET_EMPTY]);
 	assert_true(empty_of < o->leaf_count);
 	assert_true(seconds == o->leaf_count || !has_second(d, empty_of));
-	for (size_t k = 4 * (size_t)next; k < 4 * (size_t)next + 4; k++)
+	for (size_t k = 4 * GW_FACET_EMPTY; k < 4 * GW_FACET_EMPTY + 4; k++)
 		assert_true(d->plane[k] == 0 && d->centre[k] == 0 && d->albedo[k] == 0);
 	assert_true(gw_octree_numbers_fit(o, d->leaf, d->tile));
 	return seconds;
@@ -928,7 +932,7 @@ static void assert_refused(const gw_octree *o, const downloaded *d, uint32_t *wo
 
 static void check_refusals(const gw_octree *o, const downloaded *d)
 {
-	uint32_t last = o->facet_count - 1, leaf = o->leaf_count / 2, one = 0, two = 0;
+	uint32_t leaf = o->leaf_count / 2, one = 0, two = 0;
 	while (has_second(d, one))
 		one++;
 	while (!has_second(d, two))
@@ -939,10 +943,10 @@ static void check_refusals(const gw_octree *o, const downloaded *d)
 	assert_refused(o, d, &d->leaf[of_one], one | GW_FACET_SECOND);
 	assert_refused(o, d, &d->leaf[of_two + 1], two);
 	assert_refused(o, d, &d->leaf[of_two + 1], (two + 1) | GW_FACET_SECOND);
-	assert_refused(o, d, &d->leaf[last], 0);
-	assert_refused(o, d, &d->leaf[last], o->leaf_count | GW_FACET_SECOND);
+	assert_refused(o, d, &d->leaf[GW_FACET_EMPTY], 0);
+	assert_refused(o, d, &d->leaf[GW_FACET_EMPTY], o->leaf_count | GW_FACET_SECOND);
 	uint32_t *tile = d->tile + 2 * (size_t)d->cell[4 * one + 3];
-	assert_refused(o, d, &tile[0], last);
+	assert_refused(o, d, &tile[0], o->facet_count);
 	assert_refused(o, d, &tile[1], tile[1] | 1u << (16 + octant_of(d, one)));
 	assert_refused(o, d, &tile[1], tile[1] & ~(1u << octant_of(d, one)));
 }
@@ -996,7 +1000,7 @@ static void test_numbers(void **state)
 			assert_int_equal(seconds, octree.leaf_count);
 		else
 			assert_in_range(seconds, 1000, octree.leaf_count - 1000);
-		assert_int_equal(octree.dark_facet, every[i] > 0 ? octree.facet_count : 0);
+		assert_int_equal(octree.dark_facet, every[i] > 0 ? GW_FACET_EMPTY + 1 : 0);
 		if (every[i] == 3)
 			check_refusals(&octree, &d);
 		free_leaves(&d);
