@@ -3,13 +3,14 @@
  * LD_PRELOAD. Counting begins when main does; nothing that the loader does before counts.
  *
  *   FAULT_KIND     alloc, mmap, read, write, open, close, fsync (of files), folder (fsync of
- *                  folders), rename, thread, vulkan, or shrink
+ *                  folders), rename, thread, vulkan, or shrink; all: none fails, each is counted
  *   FAULT_AT       which call fails, from 1; 0 only counts
  *   FAULT_ONWARDS  1: all calls from that one on fail
  *   FAULT_OWNER    program: only calls that the program itself makes count; library: only others
  *   FAULT_ERROR    errno, or the VkResult, that the failing call gives; by default one that fits
  *   FAULT_REPORT   file to which `hit FUNCTION OWNER OBJECT` and, at a good end, `calls N` are
- *                  appended; OBJECT is `output` for a regular file that is open for writing
+ *                  appended; OBJECT is `output` for a regular file that is open for writing.
+ *                  Of all, `calls N KIND OWNER`, for each kind and owner
  *
  * shrink: just after the n-th time that a regular file is mapped or read or asked for its size, the
  * file becomes half as long. It is there to be lost; that FAULT_AT counts files that are open for
@@ -46,12 +47,13 @@ typedef enum fault_kind {
 	RENAME,
 	THREAD,
 	VULKAN,
-	SHRINK
+	SHRINK,
+	ALL
 } fault_kind;
 
 static const char *const kind_name[] = {
 	"",      "alloc",  "mmap",   "read",   "write",  "open",   "close",
-	"fsync", "folder", "rename", "thread", "vulkan", "shrink",
+	"fsync", "folder", "rename", "thread", "vulkan", "shrink", "all",
 };
 
 enum { ANY_OWNER, PROGRAM_OWNER, LIBRARY_OWNER };
@@ -66,6 +68,7 @@ static struct {
 	const char *report;
 	uintptr_t program_begin, program_end;
 	atomic_long calls;
+	atomic_long calls_of[SHRINK][2]; /* of all: by kind, the libraries' and the program's */
 } fault;
 
 void *__libc_malloc(size_t size);
@@ -107,7 +110,7 @@ static long number_of(const char *variable)
 static void __attribute__((constructor)) read_wishes(void)
 {
 	const char *kind = getenv("FAULT_KIND"), *owner = getenv("FAULT_OWNER");
-	for (int k = ALLOC; kind && k <= SHRINK; k++)
+	for (int k = ALLOC; kind && k <= ALL; k++)
 		if (strcmp(kind, kind_name[k]) == 0)
 			fault.kind = (fault_kind)k;
 	fault.at = number_of("FAULT_AT");
@@ -137,8 +140,15 @@ static void __attribute__((destructor)) report_calls(void)
 {
 	char line[64];
 	int length = snprintf(line, sizeof line, "calls %ld\n", atomic_load(&fault.calls));
-	if (fault.kind != NO_FAULT)
+	if (fault.kind != NO_FAULT && fault.kind != ALL)
 		report(line, (size_t)length);
+	for (int k = ALLOC; k < SHRINK && fault.kind == ALL; k++)
+		for (int own = 0; own < 2; own++) {
+			length = snprintf(line, sizeof line, "calls %ld %s %s\n",
+							  atomic_load(&fault.calls_of[k][own]), kind_name[k],
+							  own ? "program" : "library");
+			report(line, (size_t)length);
+		}
 }
 
 /* A regular file that is open for writing, and not still empty when it is closed. */
@@ -165,9 +175,13 @@ static void report_hit(const char *function, uintptr_t caller, int descriptor)
 /* Counts a call; true when it is one that has to fail. */
 static bool counts(fault_kind kind, uintptr_t caller, const char *function, int descriptor)
 {
-	if (kind != fault.kind || !atomic_load(&fault.counting))
+	if ((kind != fault.kind && fault.kind != ALL) || !atomic_load(&fault.counting))
 		return false;
 	bool own = caller >= fault.program_begin && caller < fault.program_end;
+	if (fault.kind == ALL) {
+		atomic_fetch_add(&fault.calls_of[kind][own], 1);
+		return false;
+	}
 	if (fault.owner != ANY_OWNER && own != (fault.owner == PROGRAM_OWNER))
 		return false;
 	long call = atomic_fetch_add(&fault.calls, 1) + 1;

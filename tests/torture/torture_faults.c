@@ -177,6 +177,7 @@ static void make_inputs(torture_case *c)
 		make_new_inputs(c);
 }
 
+/* The n-th call fails; 0: none does, and those of each kind are counted. */
 static void prepare(torture_case *c, const fault_case *f, torture_child *child, long at)
 {
 	child_start(child);
@@ -185,7 +186,7 @@ static void prepare(torture_case *c, const fault_case *f, torture_child *child, 
 		child_add(child, "--light");
 		child_add(child, "%s", f->command->light);
 	}
-	child_set(child, "FAULT_KIND=%s", f->kind->kind);
+	child_set(child, "FAULT_KIND=%s", at > 0 ? f->kind->kind : "all");
 	child_set(child, "FAULT_OWNER=%s", f->kind->owner);
 	child_set(child, "FAULT_AT=%ld", at);
 	child_set(child, "FAULT_ONWARDS=%d", f->onwards ? 1 : 0);
@@ -195,20 +196,33 @@ static void prepare(torture_case *c, const fault_case *f, torture_child *child, 
 	child->limit = 60;
 }
 
-/* What the shim wrote: how many calls there were, and which one failed, in which library. */
-static void read_fault(torture_case *c, long *calls, char *hit, size_t size)
+/* What the shim wrote: which call failed, in which library. */
+static void read_fault(torture_case *c, char *hit, size_t size)
 {
 	size_t length;
 	char *text = (char *)child_read_file(c, "fault", &length);
 	char function[64] = "", owner[64] = "", object[64] = "";
-	*calls = 0;
-	for (char *line = text ? strtok(text, "\n") : NULL; line; line = strtok(NULL, "\n")) {
-		long n;
-		if (sscanf(line, "calls %ld", &n) == 1 && n > *calls)
-			*calls = n;
+	for (char *line = text ? strtok(text, "\n") : NULL; line; line = strtok(NULL, "\n"))
 		sscanf(line, "hit %63s %63s %63s", function, owner, object);
-	}
 	snprintf(hit, size, "%s on %s in %s", function, object, owner);
+	free(text);
+}
+
+/* And how many calls there were of each kind and owner, when all were counted. */
+static void read_calls(torture_case *c, long calls[KIND_COUNT])
+{
+	size_t length;
+	char *text = (char *)child_read_file(c, "fault", &length), kind[64], owner[64];
+	long n;
+	memset(calls, 0, sizeof *calls * (size_t)KIND_COUNT);
+	for (char *line = text ? strtok(text, "\n") : NULL; line; line = strtok(NULL, "\n")) {
+		if (sscanf(line, "calls %ld %63s %63s", &n, kind, owner) != 3)
+			continue;
+		for (long k = 0; k < KIND_COUNT; k++)
+			if (strcmp(kinds[k].kind, kind) == 0 &&
+				(strcmp(kinds[k].owner, "any") == 0 || strcmp(kinds[k].owner, owner) == 0))
+				calls[k] += n;
+	}
 	free(text);
 }
 
@@ -221,37 +235,58 @@ static void remove_outputs(torture_case *c, const fault_command *command)
 	remove(case_path(c, "out.vdb"));
 }
 
-/* Whether this worker ran the command with the same inputs before, which fills the driver's cache
- * of shaders; then it does from now on. */
-static bool is_warm(const torture_case *c, const fault_case *f)
+/* What a run without a fault did and wrote. In the slice, whose cases have the same inputs, a
+ * worker keeps it: each case's own such run was a quarter of all launches. */
+typedef struct whole_run {
+	bool kept;
+	long calls[KIND_COUNT];
+	unsigned char *bytes[3]; /* of the outputs; NULL for one that there is not */
+	size_t length[3];
+} whole_run;
+
+static void name_kept(char *name, size_t size, const char *output)
 {
-	static bool ran[COMMAND_COUNT];
-	bool warm = c->slice && ran[f->command - commands];
-	ran[f->command - commands] = true;
-	return warm;
+	snprintf(name, size, "kept-%s", output);
+}
+
+/* Runs the command twice, as the first time fills the driver's cache of shaders. */
+static bool run_whole(torture_case *c, const fault_case *f, whole_run *run)
+{
+	torture_child child;
+	char kept[100];
+	for (int runs = 2; runs > 0; runs--) {
+		remove_outputs(c, f->command);
+		prepare(c, f, &child, 0);
+		child_run(c, &child);
+	}
+	read_calls(c, run->calls);
+	if (child.code != 0 || child.hung) {
+		case_fail(c, f->row, "status %d without any fault: %s", child.code, child.message);
+		return false;
+	}
+	for (int i = 0; i < 3 && f->command->output[i]; i++) {
+		name_kept(kept, sizeof kept, f->command->output[i]);
+		rename(case_path(c, f->command->output[i]), case_path(c, kept));
+		free(run->bytes[i]);
+		run->bytes[i] = child_read_file(c, kept, &run->length[i]);
+	}
+	run->kept = true;
+	return true;
 }
 
 /* Without a fault: counts the calls and keeps what comes out. */
 static long count_calls(torture_case *c, const fault_case *f)
 {
-	torture_child child;
-	char hit[200], kept[100];
-	long calls;
-	for (int runs = is_warm(c, f) ? 1 : 2; runs > 0; runs--) {
-		remove_outputs(c, f->command);
-		prepare(c, f, &child, 0);
-		child_run(c, &child);
+	static whole_run runs[COMMAND_COUNT];
+	whole_run *run = &runs[f->command - commands];
+	char kept[100];
+	if (!c->slice || !run->kept)
+		return run_whole(c, f, run) ? run->calls[f->kind - kinds] : 0;
+	for (int i = 0; i < 3 && run->bytes[i]; i++) {
+		name_kept(kept, sizeof kept, f->command->output[i]);
+		child_write_file(c, kept, run->bytes[i], run->length[i]);
 	}
-	read_fault(c, &calls, hit, sizeof hit);
-	if (child.code != 0 || child.hung) {
-		case_fail(c, f->row, "status %d without any fault: %s", child.code, child.message);
-		return 0;
-	}
-	for (int i = 0; i < 3 && f->command->output[i]; i++) {
-		snprintf(kept, sizeof kept, "kept-%s", f->command->output[i]);
-		rename(case_path(c, f->command->output[i]), case_path(c, kept));
-	}
-	return calls;
+	return run->calls[f->kind - kinds];
 }
 
 /* ------------------------------------------------------------------------------------ checks */
@@ -311,11 +346,10 @@ static void try_fault(torture_case *c, const fault_case *f, long at)
 {
 	torture_child child;
 	char hit[200], row[200];
-	long calls;
 	remove_outputs(c, f->command);
 	prepare(c, f, &child, at);
 	child_run(c, &child);
-	read_fault(c, &calls, hit, sizeof hit);
+	read_fault(c, hit, sizeof hit);
 	describe(f, hit, row, sizeof row);
 	if (child_check(c, &child, row))
 		check_outputs(c, f, &child, row, hit);
