@@ -41,7 +41,6 @@ cd "$root" || exit 70
 
 # The Vulkan loader and driver never free some of what they allocate; leaks of ours still count.
 export LSAN_OPTIONS="suppressions=$root/tests/leaks_of_others.txt:print_suppressions=0"
-export UBSAN_OPTIONS="print_stacktrace=1"
 # Who allocated a block is told by 8 frames: to walk all of the stack each time takes long.
 asan="detect_leaks=1:allocator_may_return_null=1:malloc_context_size=8"
 # What is freed is kept from being used again until 16 MB more are freed, not 256, which is more
@@ -50,6 +49,9 @@ asan="detect_leaks=1:allocator_may_return_null=1:malloc_context_size=8"
 # anew costs more than what the test does with it.
 asan+=":quarantine_size_mb=16:thread_local_quarantine_size_kb=64"
 asan+=":allocator_release_to_os_interval_ms=-1"
+# Undefined behaviour ends in an illegal instruction, whose line is told, also where a test has a
+# handler of its own.
+asan+=":handle_sigill=2"
 
 # glibc fills memory that is allocated with 0x5a and what is freed with 0xa5, so that a value that
 # was never set is wrong in every run. Sanitizers have an allocator of their own.
