@@ -79,18 +79,16 @@ typedef struct window {
 /* The cells of a window that lie in one of a level at most that of the window. */
 typedef struct window_part {
 	int32_t first[3], last[3]; /* from low on; last is not one of them */
-	bool any;
 } window_part;
 
 static window_part part_of(const window *w, const cell *of)
 {
-	window_part part = { .any = true };
+	window_part part;
 	for (int k = 0; k < 3; k++) {
 		int32_t first = of->at[k] * (1 << (w->level - of->level)) - w->low[k];
 		int32_t last = first + (1 << (w->level - of->level));
 		part.first[k] = first > 0 ? first : 0;
 		part.last[k] = last < w->wide ? last : w->wide;
-		part.any = part.any && part.first[k] < part.last[k];
 	}
 	return part;
 }
@@ -98,6 +96,11 @@ static window_part part_of(const window *w, const cell *of)
 static size_t place_in(const window *w, int32_t x, int32_t y, int32_t z)
 {
 	return (size_t)(x + w->wide * (y + w->wide * z));
+}
+
+static size_t place_of(const window *w, const cell *of)
+{
+	return place_in(w, of->at[0] - w->low[0], of->at[1] - w->low[1], of->at[2] - w->low[2]);
 }
 
 static void fill_with_wall(window *w, const window_part *part)
@@ -108,25 +111,55 @@ static void fill_with_wall(window *w, const window_part *part)
 				w->holds[place_in(w, x, y, z)] = true;
 }
 
-/* Notes what the children of a tile, whose cell is given, have in the window. */
+/* Which children of a cell lie in the window, at least in part: along each axis from low to high, 0
+ * or 1. */
+typedef struct children_within {
+	int32_t low[3], high[3];
+} children_within;
+
+static children_within children_of(const window *w, const cell *parent)
+{
+	children_within within;
+	const uint32_t shift = w->level - parent->level - 1;
+	for (int k = 0; k < 3; k++) {
+		int32_t low = (w->low[k] >> shift) - 2 * parent->at[k];
+		int32_t high = ((w->low[k] + w->wide - 1) >> shift) - 2 * parent->at[k];
+		within.low[k] = low > 0 ? low : 0;
+		within.high[k] = high < 1 ? high : 1;
+	}
+	return within;
+}
+
+static void look_below(const gw_compartments *c, const cell *parent, uint32_t tile, window *w);
+
+/* Notes what a child of a tile has in the window, of which a part lies in it. */
+static void look_into(const gw_compartments *c, const cell *of, uint32_t node, window *w)
+{
+	uint32_t to = c->child[node];
+	if (of->level == w->level) {
+		size_t i = place_of(w, of);
+		w->node[i] = node;
+		w->holds[i] = to != 0;
+	} else if (to == GW_WALL) {
+		const window_part part = part_of(w, of);
+		fill_with_wall(w, &part);
+	} else if (to != 0) {
+		look_below(c, of, to - 1, w);
+	}
+}
+
 static void look_below(const gw_compartments *c, const cell *parent, uint32_t tile, window *w)
 {
-	for (uint32_t octant = 0; octant < 8; octant++) {
-		uint32_t node = 8 * tile + octant, to = c->child[node];
-		cell of = child_of(parent, octant);
-		const window_part part = part_of(w, &of);
-		if (!part.any)
-			continue;
-		if (of.level == w->level) {
-			size_t i = place_in(w, part.first[0], part.first[1], part.first[2]);
-			w->node[i] = node;
-			w->holds[i] = to != 0;
-		} else if (to == GW_WALL) {
-			fill_with_wall(w, &part);
-		} else if (to != 0) {
-			look_below(c, &of, to - 1, w);
-		}
-	}
+	const children_within within = children_of(w, parent);
+	cell of = { .level = parent->level + 1 };
+	for (int32_t z = within.low[2]; z <= within.high[2]; z++)
+		for (int32_t y = within.low[1]; y <= within.high[1]; y++)
+			for (int32_t x = within.low[0]; x <= within.high[0]; x++) {
+				of.at[0] = 2 * parent->at[0] + x;
+				of.at[1] = 2 * parent->at[1] + y;
+				of.at[2] = 2 * parent->at[2] + z;
+				look_into(c, &of, 8 * tile + (uint32_t)(x + 2 * y + 4 * z), w);
+			}
 }
 
 /* So many cells around the children of a cell. */
@@ -141,11 +174,6 @@ static void look_around(const gw_compartments *c, const cell *parent, int32_t ar
 	memset(w->node, 0xff, cells * sizeof *w->node);
 	memset(w->holds, 0, cells * sizeof *w->holds);
 	look_below(c, &root, 0, w);
-}
-
-static size_t place_of(const window *w, const cell *of)
-{
-	return place_in(w, of->at[0] - w->low[0], of->at[1] - w->low[1], of->at[2] - w->low[2]);
 }
 
 /* In a sheet surface is near on both sides along two axes; in the crease of two along one, and on
