@@ -439,6 +439,56 @@ static void emitters_of_transports(void **state)
 	scene_clear(&s);
 }
 
+/* Bakes by single samples: their mean tells a loss of three in a hundred. */
+#define ROUNDS 64
+
+/* Mean irradiance of a floor below a long strip that glows. */
+static double light_of_strip(uint32_t samples, uint64_t seed)
+{
+	scene s = { 0 };
+	scene_add_patch(&s,
+					&(scene_patch){ (double[]){ 0, 0, 0 }, (double[]){ 3, 0, 0 },
+									(double[]){ 0, 1, 0 }, 90, 30 },
+					0.0f);
+	size_t floor = s.count;
+	scene_add_patch(&s,
+					&(scene_patch){ (double[]){ 0, 0.45, 0.2 }, (double[]){ 0, 0.1, 0 },
+									(double[]){ 3, 0, 0 }, 3, 90 },
+					0.0f);
+	scene_emit(&s, floor, (float[]){ 1, 1, 1 });
+	gw_points points = scene_points(&s);
+	gw_bake_options options = gw_bake_options_default();
+	options.bounces = 1;
+	options.rays = samples;
+	options.light_samples = samples;
+	options.seed = seed;
+	options.estimate_points = 0;
+	gw_bake_result *result = scene_bake(&points, NULL, 0, &options);
+	double mean = scene_mean(result->direct_irradiance, floor, 0) +
+				  scene_mean(result->indirect_irradiance, floor, 0);
+	gw_bake_result_destroy(&result);
+	scene_clear(&s);
+	return mean;
+}
+
+/* Most samples of a long strip are far from each record, and seldom asked whether they are seen:
+ * what they bring must not get lost. A single one is always asked; of as many rays as samples the
+ * weights are the same, however many these are, and so is what is expected. */
+static void seldom_asked_samples(void **state)
+{
+	(void)state;
+	double many = light_of_strip(64, 0), sum = 0.0, squares = 0.0;
+	for (uint64_t seed = 1; seed <= ROUNDS; seed++) {
+		double single = light_of_strip(1, seed);
+		sum += single / ROUNDS;
+		squares += single * single / ROUNDS;
+	}
+	double spread = sqrt((squares - sum * sum) / (ROUNDS - 1));
+	print_message("strip: %.4f, by single samples %.4f +- %.4f\n", many, sum, spread);
+	assert_true(spread < 0.01 * sum);
+	assert_true(fabs(many - sum) < 4.0 * spread);
+}
+
 /* ------------------------------------------------------------------------------------ motion */
 
 /* Frames in which nothing moves: none of them after the first builds anything anew, or traces a
@@ -475,15 +525,11 @@ static void frames_that_stand_still(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(clear_or_not),
-		cmocka_unit_test(smoothed_or_not),
-		cmocka_unit_test(no_bytes_for_noise),
-		cmocka_unit_test(columns_or_not),
-		cmocka_unit_test(light_is_the_same),
-		cmocka_unit_test(portals_or_not),
-		cmocka_unit_test(as_if_nothing_called),
-		cmocka_unit_test(emitters_of_transports),
-		cmocka_unit_test(frames_that_stand_still),
+		cmocka_unit_test(clear_or_not),         cmocka_unit_test(smoothed_or_not),
+		cmocka_unit_test(no_bytes_for_noise),   cmocka_unit_test(columns_or_not),
+		cmocka_unit_test(light_is_the_same),    cmocka_unit_test(portals_or_not),
+		cmocka_unit_test(as_if_nothing_called), cmocka_unit_test(emitters_of_transports),
+		cmocka_unit_test(seldom_asked_samples), cmocka_unit_test(frames_that_stand_still),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
