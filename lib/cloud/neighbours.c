@@ -42,10 +42,6 @@
 #define WIDENED (1u << 31)
 #define NO_NEIGHBOUR (UINT32_MAX & ~WIDENED)
 
-/* Bytes a surfel that the tree takes: scaled positions, FLANN's copy, row pointers, order, nodes.
- */
-#define INDEX_BYTES 56u
-
 /* One wide search serves the surfels around its centre, up to this share of its reach away. */
 #define WIDE_SHARED 0.25
 
@@ -122,7 +118,7 @@ gw_status gw_neighbours_open(const gw_surfels *surfels, const gw_surfels_options
 							 gw_neighbours **search, gw_error *error)
 {
 	size_t count = surfels->count;
-	uint64_t index_bytes = count * (uint64_t)INDEX_BYTES;
+	uint64_t index_bytes = count * (uint64_t)GW_NEIGHBOURS_TREE_BYTES;
 	if (options->memory && index_bytes > options->memory)
 		return gw_fail(error, GW_ERROR_MEMORY,
 					   "the search tree of %zu points takes %llu bytes, %llu may be used; allow "

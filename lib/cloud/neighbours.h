@@ -29,8 +29,13 @@ double gw_neighbours_one_sidedness(const gw_surfels *surfels, size_t surfel,
 /* The median of the neighbours' distances to each the nearest other one of them, metres. */
 double gw_neighbours_median_gap(const gw_surfels *surfels, const gw_neighbour_list *list);
 
-/* Called once a surfel, from several threads at a time; may write only to that surfel's data. */
+/* Called once a surfel, from several threads at a time; may write only to that surfel's data, or to
+ * what is atomic. */
 typedef void gw_neighbours_visitor(void *user, size_t surfel, const gw_neighbour_list *list);
+
+/* Bytes a surfel that the search structure takes: scaled positions, FLANN's copy, row pointers,
+ * order, nodes. Where options->memory allows no more, no lists are kept: for a single visit. */
+#define GW_NEIGHBOURS_TREE_BYTES 56u
 
 /*
  * Builds the search structure over surfels->position, which must stay unchanged until it is closed.

@@ -7,6 +7,7 @@
 #include "cloud/neighbours.h"
 
 #include <math.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 
 /* Neighbours that lie higher than this share of their distance are not on the same surface. */
@@ -14,7 +15,7 @@
 
 typedef struct components {
 	const gw_surfels *surfels;
-	uint32_t *near; /* GW_NEIGHBOURS a surfel; the surfel itself where there is none */
+	_Atomic uint32_t *parent; /* one a surfel: of its component, itself or one before it */
 } components;
 
 /* Of one smooth surface: alike, and beside each other rather than above. */
@@ -29,54 +30,58 @@ static bool adjoin(const gw_surfels *s, size_t i, size_t j)
 	return gw_surfels_alike(s, i, j) && fabsf(height) < HEIGHT_MOST * sqrtf(length);
 }
 
-static void list_neighbours(void *user, size_t surfel, const gw_neighbour_list *list)
+/* The first surfel of a component, as far as it is known; shortens the way there. What others join
+ * meanwhile lies beyond that one. */
+static uint32_t find_first(_Atomic uint32_t *parent, uint32_t i)
 {
-	components *p = user;
-	for (uint32_t k = 0; k < GW_NEIGHBOURS; k++) {
-		bool same = k < list->count && adjoin(p->surfels, surfel, list->index[k]);
-		p->near[GW_NEIGHBOURS * surfel + k] = same ? list->index[k] : (uint32_t)surfel;
-	}
-}
-
-static uint32_t find_root(uint32_t *parent, uint32_t i)
-{
-	while (parent[i] != i) {
-		parent[i] = parent[parent[i]];
-		i = parent[i];
+	uint32_t next;
+	while ((next = atomic_load_explicit(&parent[i], memory_order_relaxed)) != i) {
+		uint32_t beyond = atomic_load_explicit(&parent[next], memory_order_relaxed);
+		atomic_store_explicit(&parent[i], beyond, memory_order_relaxed);
+		i = beyond;
 	}
 	return i;
 }
 
-static void join_all(const components *p, uint32_t *parent)
+/* Whichever threads join which surfels, of all that are joined the first one is found in the end.
+ */
+static void join(_Atomic uint32_t *parent, uint32_t a, uint32_t b)
 {
-	uint32_t count = (uint32_t)p->surfels->count;
-	for (uint32_t i = 0; i < count; i++)
-		parent[i] = i;
-	for (uint32_t i = 0; i < count; i++)
-		for (size_t k = 0; k < GW_NEIGHBOURS; k++) {
-			uint32_t a = find_root(parent, i);
-			uint32_t b = find_root(parent, p->near[GW_NEIGHBOURS * (size_t)i + k]);
-			parent[a > b ? a : b] = a < b ? a : b;
-		}
-	for (uint32_t i = 0; i < count; i++)
-		parent[i] = find_root(parent, i);
+	while ((a = find_first(parent, a)) != (b = find_first(parent, b))) {
+		uint32_t later = a > b ? a : b, expected = later;
+		if (atomic_compare_exchange_strong_explicit(&parent[later], &expected, a < b ? a : b,
+													memory_order_relaxed, memory_order_relaxed))
+			return;
+	}
+}
+
+static void join_neighbours(void *user, size_t surfel, const gw_neighbour_list *list)
+{
+	const components *c = user;
+	for (uint32_t k = 0; k < list->count; k++)
+		if (adjoin(c->surfels, surfel, list->index[k]))
+			join(c->parent, (uint32_t)surfel, list->index[k]);
 }
 
 gw_status gw_side_components_find(const gw_surfels *surfels, uint32_t threads, uint32_t *component,
 								  gw_error *error)
 {
-	const gw_surfels_options options = { .threads = threads };
+	/* One visit, without lists that stay. */
+	const gw_surfels_options options = { .threads = threads,
+										 .memory =
+											 surfels->count * (uint64_t)GW_NEIGHBOURS_TREE_BYTES };
 	gw_neighbours *search = NULL;
-	components p = { .surfels = surfels };
-	p.near = gw_allocate_array(surfels->count, GW_NEIGHBOURS * sizeof *p.near);
-	gw_status status = p.near ? gw_neighbours_open(surfels, &options, &search, error)
-							  : gw_fail(error, GW_ERROR_MEMORY,
-										"no memory for neighbours of %zu points", surfels->count);
+	components c = { surfels, gw_allocate_array(surfels->count, sizeof *c.parent) };
+	gw_status status = c.parent ? gw_neighbours_open(surfels, &options, &search, error)
+								: gw_fail(error, GW_ERROR_MEMORY,
+										  "no memory for components of %zu points", surfels->count);
+	for (uint32_t i = 0; i < surfels->count && status == GW_OK; i++)
+		atomic_init(&c.parent[i], i);
 	if (status == GW_OK)
-		status = gw_neighbours_visit(search, list_neighbours, &p, error);
-	if (status == GW_OK)
-		join_all(&p, component);
+		status = gw_neighbours_visit(search, join_neighbours, &c, error);
+	for (uint32_t i = 0; i < surfels->count && status == GW_OK; i++)
+		component[i] = find_first(c.parent, i);
 	gw_neighbours_close(search);
-	free(p.near);
+	free(c.parent);
 	return status;
 }
