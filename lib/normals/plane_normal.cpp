@@ -1,7 +1,10 @@
 /* plane_normal.cpp - see plane_normal.h. PCL's templates are compiled here, so that the program
- * does not load PCL's libraries. */
+ * does not load PCL's libraries: what pcl::computePointNormal is made of, whose own header takes
+ * twice as long to compile. */
 #define PCL_NO_PRECOMPILE
-#include <pcl/features/normal_3d.h>
+#include <pcl/common/centroid.h>
+#include <pcl/common/eigen.h>
+#include <pcl/point_types.h>
 
 #include "normals/plane_normal.h"
 
@@ -15,14 +18,20 @@ extern "C" gw_plane gw_plane_normal(const float *point, size_t count, float norm
 		cloud.reserve(count);
 		for (size_t i = 0; i < count; i++)
 			cloud.push_back(pcl::PointXYZ(point[3 * i], point[3 * i + 1], point[3 * i + 2]));
-		Eigen::Vector4f plane;
-		if (!pcl::computePointNormal(cloud, plane, *curvature))
+		Eigen::Matrix3f covariance;
+		Eigen::Vector4f centre;
+		if (count < 3 || pcl::computeMeanAndCovarianceMatrix(cloud, covariance, centre) == 0)
 			return GW_PLANE_NONE;
-		const float length = plane.head<3>().norm();
+		float smallest;
+		Eigen::Vector3f axis;
+		pcl::eigen33(covariance, smallest, axis);
+		const float sum = covariance(0, 0) + covariance(1, 1) + covariance(2, 2);
+		*curvature = sum != 0 ? std::abs(smallest / sum) : 0;
+		const float length = axis.norm();
 		if (!std::isfinite(length) || length < 0.5f || !std::isfinite(*curvature))
 			return GW_PLANE_NONE;
 		for (int k = 0; k < 3; k++)
-			normal[k] = plane[k] / length;
+			normal[k] = axis[k] / length;
 		return GW_PLANE_FOUND;
 	} catch (...) {
 		return GW_PLANE_NO_MEMORY;
