@@ -23,6 +23,8 @@ BUILD   := build/sanitize
 # Undefined behaviour is an illegal instruction, which AddressSanitizer reports with its line: what
 # UBSan would say of each check makes 10 MB, which LeakSanitizer reads at the end of each process.
 OPT     := -O1 -g1 -fsanitize=address,undefined -fsanitize-undefined-trap-on-error -fno-omit-frame-pointer
+# Between the many checks in a kernel the best registers are looked for in vain, for half the time.
+KERNEL_FLAGS := -fira-algorithm=priority -fira-region=one
 # What sanitizers write beside the code is full of addresses: to relocate them takes a third of a
 # start, and tells them nothing.
 PIE     := -no-pie
@@ -130,8 +132,10 @@ all: $(BUILD)/glowworm $(PLUGINS) $(BUILD)/libglowworm.so $(SAMPLE_PROGRAMS) $(L
 $(BUILD)/glowworm: $(call objects,$(CLI_SOURCES) $(FORMATS_SOURCES)) $(BUILD)/libglowworm.a
 	$(CXX) $(LDFLAGS) $(PIE) $(PLUGIN_RUN_PATH) -o $@ $^ $(LDLIBS)
 
-# Where its templates are from is no help to anyone, and takes a third of the longest compilation.
-$(call objects,$(VDB_SOURCE)): OWN_FLAGS := -g1
+# Where templates of others are from is no help to anyone, and takes a third of the longest
+# compilation.
+$(call objects,$(VDB_SOURCE) lib/normals/plane_normal.cpp lib/cloud/neighbour_index.cpp): \
+	CXXFLAGS += -g1
 
 # All that it takes has to be there, since part of OpenVDB is taken from its library as compiled:
 # with -DVDB_OWN_TEMPLATES in CPPFLAGS it is not.
@@ -186,7 +190,8 @@ $(BUILD)/%.o: %.cpp $(BUILD_FLAGS)
 
 $(KERNEL_OBJECTS): $(BUILD)/kernels/%_kernel.o: lib/light/kernel.cpp shaders/%.comp $(BUILD_FLAGS)
 	@mkdir -p $(@D)
-	$(CXX) $(CPPFLAGS) $(CXXFLAGS) $(OWN_FLAGS) -Werror=double-promotion $(call KERNEL_OF,$*) -MMD -MP -c -o $@ $<
+	$(CXX) $(CPPFLAGS) $(CXXFLAGS) $(OWN_FLAGS) $(KERNEL_FLAGS) -Werror=double-promotion \
+		$(call KERNEL_OF,$*) -MMD -MP -c -o $@ $<
 
 # Shaders become comma-separated words that lib/device/shaders.c includes. A header that is gone must
 # not stop the next build, so each gets an empty rule, as -MP gives those of C.

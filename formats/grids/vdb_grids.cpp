@@ -28,10 +28,12 @@
  * OpenVDB's library has the grids of these types compiled, since it registers them, but its headers
  * do not say so, and to compile them here once more takes three quarters of a minute. What the
  * library of another version has is not known, nor what another compiler leaves to it: there all is
- * compiled here. So is the one function that the library has inlined everywhere.
+ * compiled here. So is the one function that the library has inlined everywhere. Clang's analyzer
+ * links nothing, and looks at what is ours.
  */
 #if OPENVDB_LIBRARY_MAJOR_VERSION_NUMBER == 10 && OPENVDB_LIBRARY_MINOR_VERSION_NUMBER == 0 &&     \
-	defined(__OPTIMIZE__) && !defined(__clang__) && !defined(VDB_OWN_TEMPLATES)
+	((defined(__OPTIMIZE__) && !defined(__clang__)) || defined(__clang_analyzer__)) &&             \
+	!defined(VDB_OWN_TEMPLATES)
 template <typename Tree> using upper_node = typename Tree::RootNodeType::ChildNodeType;
 template <typename Tree> using lower_node = typename upper_node<Tree>::ChildNodeType;
 #define COMPILED_ELSEWHERE(type)                                                                   \
