@@ -13,12 +13,19 @@
 #define PART_MOST ((size_t)1 << 18)
 #define PARTS_WANTED 16u
 
-/* Bytes of a point that is kept, whose surface, octree and records are made, with 100 for its
- * columns, and of the program and its driver; such that gw_surface_points_most finds room for all
- * that are kept. What the process holds just now is not asked, which is never twice the same: the
- * points that are kept are to be. */
-#define KEPT_BYTES 1270u
-#define FIXED_BYTES (UINT64_C(264) << 20)
+/* Bytes of a point that is kept, whose surface, octree and records are made, with its columns; more
+ * where lamps shine, and where it has no normal; and of the program and its driver: such that
+ * gw_bake begins with all that are kept. Where they take more than most clouds do it makes the
+ * surface of fewer of them. What the process holds just now is not asked, which is never twice the
+ * same: the points that are kept are to be. */
+#define KEPT_BYTES 715u
+#define LAMPS_BYTES 100u
+#define NO_NORMAL_BYTES 480u
+#define FIXED_BYTES (UINT64_C(140) << 20)
+
+/* The same where it cannot: of tiles, and of what a transport is of. */
+#define LASTING_BYTES 1270u
+#define LASTING_FIXED_BYTES (UINT64_C(264) << 20)
 
 #define KEPT_MOST ((uint64_t)1 << 30)
 
@@ -53,9 +60,14 @@ static uint64_t memory_for(const settings *s)
 	return available > 0 ? available / 4 * 3 + gw_resident_memory() : UINT64_MAX;
 }
 
-static size_t points_for(uint64_t memory, uint64_t count)
+/* What memory is taken by: at all, and by each point. */
+typedef struct bytes_taken {
+	uint64_t at_all, point;
+} bytes_taken;
+
+static size_t points_for(uint64_t memory, bytes_taken by, uint64_t count)
 {
-	uint64_t kept = memory > FIXED_BYTES ? (memory - FIXED_BYTES) / KEPT_BYTES : 0;
+	uint64_t kept = memory > by.at_all ? (memory - by.at_all) / by.point : 0;
 	if (memory == UINT64_MAX || count <= kept)
 		return 0;
 	return kept < PARTED_CLOUD_LEAST ? 0 : (size_t)(kept < KEPT_MOST ? kept : KEPT_MOST);
@@ -65,8 +77,9 @@ static size_t points_for(uint64_t memory, uint64_t count)
  * though no more than an eighth of it, and most of the rest is a tile's. */
 static void share_memory(parted_cloud *parted, uint64_t memory)
 {
-	uint64_t count = parted->file.count, all = points_for(memory, count);
-	if (all == 0 && memory != UINT64_MAX && memory < FIXED_BYTES + PARTED_CLOUD_LEAST * KEPT_BYTES)
+	const bytes_taken by = { LASTING_FIXED_BYTES, LASTING_BYTES };
+	uint64_t count = parted->file.count, all = points_for(memory, by, count);
+	if (all == 0 && memory != UINT64_MAX && memory < by.at_all + PARTED_CLOUD_LEAST * by.point)
 		return; /* it holds no tile */
 	all = all > 0 ? all : count;
 	uint64_t kept = all / 4 < count / 8 ? all / 4 : count / 8;
@@ -74,6 +87,37 @@ static void share_memory(parted_cloud *parted, uint64_t memory)
 		return;
 	parted->most = (size_t)(kept > PARTED_CLOUD_LEAST ? kept : PARTED_CLOUD_LEAST);
 	parted->tile = (size_t)(all / 5 * 3);
+}
+
+/* Whether points of the file have normals; the first ones tell. */
+static gw_status find_normals(parted_cloud *parted, bool *found, gw_error *error)
+{
+	scan some;
+	GW_TRY(format_parts_read(&parted->file, 0, 1, &some, error));
+	*found = scan_find(&some, "nx") && scan_find(&some, "ny") && scan_find(&some, "nz");
+	scan_clear(&some);
+	return GW_OK;
+}
+
+/* How many points are to be kept where all of them make the surface. */
+static gw_status choose_most(parted_cloud *parted, const settings *s, gw_error *error)
+{
+	const bytes_taken lasting = { LASTING_FIXED_BYTES, LASTING_BYTES };
+	const uint64_t most_bytes = KEPT_BYTES + LAMPS_BYTES + NO_NORMAL_BYTES;
+	bytes_taken by = { FIXED_BYTES, KEPT_BYTES };
+	uint64_t memory = memory_for(s);
+	bool normals, lamps = false;
+	/* Then nothing has to be read. */
+	if (!s->save_transport && memory > FIXED_BYTES &&
+		(memory - FIXED_BYTES) / most_bytes >= parted->file.count)
+		return GW_OK;
+	GW_TRY(find_normals(parted, &normals, error));
+	for (size_t i = 0; i < s->light_count; i++)
+		lamps |= s->light[i].light.type != GW_LIGHT_ENVIRONMENT;
+	by.point += lamps ? LAMPS_BYTES : 0;
+	by.point += normals && s->bake.normals != GW_NORMALS_ESTIMATE ? 0 : NO_NORMAL_BYTES;
+	parted->most = points_for(memory, s->save_transport ? lasting : by, parted->file.count);
+	return GW_OK;
 }
 
 /* About so many points, such that what is read at once is in one part. */
@@ -101,8 +145,10 @@ gw_status parted_cloud_open(const settings *s, const format *output, const uint6
 	parted->part = (size_t)whole_groups(parted, part);
 	if (s->tiles > 0)
 		share_memory(parted, memory_for(s));
+	else if (kept)
+		parted->most = (size_t)*kept;
 	else
-		parted->most = kept ? (size_t)*kept : points_for(memory_for(s), parted->file.count);
+		return choose_most(parted, s, error);
 	return GW_OK;
 }
 

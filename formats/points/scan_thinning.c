@@ -5,17 +5,37 @@
 
 #include <float.h>
 #include <math.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* By how much cubes grow, of which surface has fewer by the square of it, until this share of the
- * points that may be kept is left. */
-#define GROWTH 1.2
-#define LEFT_MOST 0.75
+/* While points come there is room for so many times as many as may be kept, and then for some more:
+ * however wide cubes are, points on eight sides of the origin that face seven ways lie in others.
+ * When it is full cubes get wider, until about LEFT of it is taken: in the end about as many are
+ * there as may be, or more, of which those are taken that may be. */
+#define ROOM 2.0
+#define ROOM_MORE 64u
+#define LEFT 0.52
 
-/* Where that takes away next to nothing, cubes are far too narrow, and grow by this. */
-#define HASTE 4.0
+/* Where the border of cubes lies at the origin, in their widths: no fraction, so that points in
+ * rows do not all go over borders at one width, where some more or less are wanted. */
+#define SHIFT 0.38196601125
+
+/* Cubes are good that leave from NEARLY to ALMOST of the points that are wanted, by a count that is
+ * a little off, and aim in between. */
+#define NEARLY 0.94
+#define ALMOST 0.99
+#define AIM 0.97
+#define TRIES_MOST 60
+
+/* By how much a try widens cubes at most; and where the last one took away next to nothing, cubes
+ * are far too narrow, and it does. */
+#define GROWTH_MOST 4.0
 #define HELPED 0.99
+
+/* Bits a point of the table by which cubes are counted, and those of the smallest. */
+#define COUNTING_BITS 16u
+#define COUNTING_LEAST ((uint64_t)1 << 16)
 
 /* Values of a column by which the first cubes are chosen. */
 #define SAMPLES 1000u
@@ -101,8 +121,10 @@ static uint64_t side_of(const views *v, size_t i)
 static uint64_t cube_of(const views *v, size_t i, const double place[3], double width)
 {
 	uint64_t cube = side_of(v, i);
-	for (int k = 0; k < 3; k++)
-		cube = mix(cube, (uint64_t)(int64_t)fmin(fmax(floor(place[k] / width), -0x1p62), 0x1p62));
+	for (int k = 0; k < 3; k++) {
+		double cell = floor(place[k] / width + SHIFT);
+		cube = mix(cube, (uint64_t)(int64_t)fmin(fmax(cell, -0x1p62), 0x1p62));
+	}
 	return cube;
 }
 
@@ -116,7 +138,7 @@ static gw_status no_memory(const scan_thinning *t, gw_error *error)
 /* Room for the columns of the first part, and what else it says. */
 static gw_status open_kept(scan_thinning *t, const scan *part, const views *v, gw_error *error)
 {
-	t->kept = (scan){ .count = t->most,
+	t->kept = (scan){ .count = t->room,
 					  .up = part->up,
 					  .says_up = part->says_up,
 					  .noise_classes = part->noise_classes };
@@ -126,18 +148,22 @@ static gw_status open_kept(scan_thinning *t, const scan *part, const views *v, g
 		if (!scan_add_column(&t->kept, part->column[c].name, part->column[c].type, error))
 			return GW_ERROR_MEMORY;
 	for (size_t k = 0; k < part->scanner_count; k++)
-		GW_TRY(scan_add_scanner(&t->kept, part->scanner + 3 * k, 0, t->most, error));
+		GW_TRY(scan_add_scanner(&t->kept, part->scanner + 3 * k, 0, t->room, error));
 	t->kept.count = 0;
 	t->mask = 1023;
-	while (t->mask < 2 * (uint64_t)t->most)
+	while (t->mask < 2 * (uint64_t)t->room)
 		t->mask = 2 * t->mask + 1;
-	t->cube = reallocarray(NULL, t->most, sizeof *t->cube);
-	t->rank = reallocarray(NULL, t->most, sizeof *t->rank);
-	t->wider = reallocarray(NULL, t->most, sizeof *t->wider);
-	t->from = calloc(t->most, sizeof *t->from);
+	t->bits_mask = COUNTING_LEAST - 1;
+	while (t->bits_mask < COUNTING_BITS * (uint64_t)t->room)
+		t->bits_mask = 2 * t->bits_mask + 1;
+	t->cube = reallocarray(NULL, t->room, sizeof *t->cube);
+	t->rank = reallocarray(NULL, t->room, sizeof *t->rank);
+	t->wider = reallocarray(NULL, t->room, sizeof *t->wider);
+	t->from = calloc(t->room, sizeof *t->from);
 	t->slot = calloc(t->mask + 1, sizeof *t->slot);
-	t->emitted = v->emission[0] ? reallocarray(NULL, t->most, sizeof *t->emitted) : NULL;
-	bool good = t->cube && t->rank && t->wider && t->from && t->slot;
+	t->bits = calloc(t->bits_mask / 64 + 1, sizeof *t->bits);
+	t->emitted = v->emission[0] ? reallocarray(NULL, t->room, sizeof *t->emitted) : NULL;
+	bool good = t->cube && t->rank && t->wider && t->from && t->slot && t->bits;
 	return good && (t->emitted || !v->emission[0]) ? GW_OK : no_memory(t, error);
 }
 
@@ -159,13 +185,13 @@ static uint32_t *slot_of(const scan_thinning *t, uint64_t cube)
 	return &t->slot[at];
 }
 
-/* Offers a point of a cube and a rank. The row that is its own then, or t->most. */
+/* Offers a point of a cube and a rank. The row that is its own then, or t->room. */
 static size_t offer(scan_thinning *t, uint64_t cube, uint64_t rank)
 {
 	uint32_t *slot = slot_of(t, cube);
 	size_t row = *slot ? *slot - 1 : t->kept.count;
 	if (*slot && t->rank[row] <= rank)
-		return t->most;
+		return t->room;
 	if (!*slot && t->emitted)
 		t->emitted[row] = (scan_thinning_sum){ .points = 0.0 };
 	t->kept.count += !*slot;
@@ -254,22 +280,63 @@ static void widen(scan_thinning *t)
 		size_t row = offer(t, t->wider[i], t->rank[i]);
 		if (t->emitted)
 			add_emission(t, t->wider[i], &own);
-		if (row < t->most)
+		if (row < t->room)
 			t->from[row] = (uint32_t)i + 1;
 	}
 	gw_parallel_for(t->threads, t->kept.column_count, 1, move_columns, t);
 	memset(t->from, 0, t->kept.count * sizeof *t->from);
 }
 
-static void coarsen(scan_thinning *t)
+/* Counts cubes of the next width, by bits that they set in a table (linear counting, Whang and
+ * others 1990). */
+static void count_some(void *user, size_t first, size_t last, uint32_t worker)
 {
-	double growth = GROWTH;
-	while ((double)t->kept.count > LEFT_MOST * (double)t->most) {
-		size_t count = t->kept.count;
-		t->width *= growth;
-		widen(t);
-		growth = (double)t->kept.count > HELPED * (double)count ? HASTE : GROWTH;
+	const widening *w = user;
+	scan_thinning *t = w->t;
+	double place[3];
+	(void)worker;
+	for (size_t i = first; i < last; i++) {
+		get_place(&w->v, i, place);
+		uint64_t bit = cube_of(&w->v, i, place, w->width) & t->bits_mask;
+		atomic_fetch_or_explicit(&t->bits[bit / 64], UINT64_C(1) << bit % 64, memory_order_relaxed);
 	}
+}
+
+static double count_cubes(widening *w)
+{
+	scan_thinning *t = w->t;
+	uint64_t words = t->bits_mask / 64 + 1, set = 0;
+	double all = (double)(t->bits_mask + 1);
+	for (uint64_t i = 0; i < words; i++)
+		atomic_store_explicit(&t->bits[i], 0, memory_order_relaxed);
+	gw_parallel_for(t->threads, t->kept.count, CHUNK, count_some, w);
+	for (uint64_t i = 0; i < words; i++)
+		set +=
+			(uint64_t)__builtin_popcountll(atomic_load_explicit(&t->bits[i], memory_order_relaxed));
+	return -all * log1p(-(double)set / all);
+}
+
+/* Widens cubes until about so many of the points are left and hardly any more, or if no width does
+ * that, fewer. The next one to try is guessed as if surface had four times as many cubes of half
+ * the width, and is else amid those that left too many and too few. */
+static void coarsen(scan_thinning *t, double wanted)
+{
+	widening w = { .t = t, .width = t->width };
+	double low = t->width, high = INFINITY, cubes = (double)t->kept.count, before = INFINITY;
+	find_views(&t->kept, &w.v);
+	for (int i = 0; i < TRIES_MOST && (cubes > ALMOST * wanted || cubes < NEARLY * wanted); i++) {
+		double growth = fmin(sqrt(fmax(cubes, 1.0) / (AIM * wanted)), GROWTH_MOST);
+		double guess = w.width * (cubes > HELPED * before ? GROWTH_MOST : growth);
+		before = cubes > ALMOST * wanted ? cubes : INFINITY;
+		if (!(guess > low && guess < high))
+			guess = isfinite(high) ? sqrt(low) * sqrt(high) : low * GROWTH_MOST;
+		w.width = guess;
+		cubes = count_cubes(&w);
+		low = cubes > ALMOST * wanted ? w.width : low;
+		high = cubes < NEARLY * wanted ? w.width : high;
+	}
+	t->width = cubes > ALMOST * wanted && isfinite(high) ? high : w.width;
+	widen(t);
 }
 
 /* ---------------------------------------------------------------------------------- the width */
@@ -372,7 +439,7 @@ static void copy_rows(void *user, size_t first, size_t last, uint32_t worker)
 		t->from[t->part.row[k]] = 0;
 }
 
-/* Takes points of the part from `first` on, until as many are kept as may be; the next one. */
+/* Takes points of the part from `first` on, until there is no more room; the next one. */
 static size_t take_points(looking *job, size_t first)
 {
 	scan_thinning *t = job->t;
@@ -380,16 +447,16 @@ static size_t take_points(looking *job, size_t first)
 	size_t count = job->part->count, i = first;
 	job->first = first;
 	gw_parallel_for(t->threads, count - first, CHUNK, look_at, job);
-	for (p->rows = 0; i < count && t->kept.count < t->most; i++) {
+	for (p->rows = 0; i < count && t->kept.count < t->room; i++) {
 		size_t next = i + AHEAD < count ? i + AHEAD : i;
 		if (p->wanted[next])
 			__builtin_prefetch(&t->slot[p->cube[next] & t->mask]);
-		size_t row = p->wanted[i] ? offer(t, p->cube[i], p->rank[i]) : t->most;
+		size_t row = p->wanted[i] ? offer(t, p->cube[i], p->rank[i]) : t->room;
 		if (t->emitted && p->placed[i]) {
 			const scan_thinning_sum own = emission_of(job->v, i);
 			add_emission(t, p->cube[i], &own);
 		}
-		if (row == t->most)
+		if (row == t->room)
 			continue;
 		if (!t->from[row])
 			p->row[p->rows++] = (uint32_t)row;
@@ -427,7 +494,8 @@ static gw_status make_room(scan_thinning *t, size_t count, gw_error *error)
 
 scan_thinning scan_thinning_begin(size_t most, uint32_t threads)
 {
-	return (scan_thinning){ .most = most, .threads = threads };
+	size_t room = (size_t)(ROOM * (double)most) + ROOM_MORE;
+	return (scan_thinning){ .most = most, .room = room, .threads = threads };
 }
 
 gw_status scan_thinning_add(scan_thinning *t, const scan *part, gw_error *error)
@@ -443,8 +511,8 @@ gw_status scan_thinning_add(scan_thinning *t, const scan *part, gw_error *error)
 	if (!(t->width > 0.0))
 		t->width = start_width(t, part, &v);
 	for (size_t i = 0; i < part->count && t->width > 0.0;) {
-		if (t->kept.count == t->most)
-			coarsen(t);
+		if (t->kept.count == t->room)
+			coarsen(t, LEFT * (double)t->room);
 		i = take_points(&job, i);
 	}
 	return GW_OK;
@@ -462,6 +530,8 @@ static void take_emission(scan_thinning *t)
 
 void scan_thinning_take(scan_thinning *t, scan *cloud)
 {
+	for (int i = 0; i < TRIES_MOST && t->kept.count > t->most; i++)
+		coarsen(t, (double)t->most);
 	take_emission(t);
 	*cloud = t->kept;
 	t->kept = (scan){ 0 };
@@ -481,7 +551,8 @@ void scan_thinning_clear(scan_thinning *t)
 	free(t->wider);
 	free(t->from);
 	free(t->slot);
+	free(t->bits);
 	free(t->emitted);
 	clear_part(&t->part);
-	*t = (scan_thinning){ .most = t->most, .threads = t->threads };
+	*t = (scan_thinning){ .most = t->most, .room = t->room, .threads = t->threads };
 }

@@ -3,11 +3,12 @@
  * wanted, spread over its surface.
  *
  * One point is kept of each cube of a grid, or one of those in it that face the same of its sides
- * where the scan has normals. Which it is, a hash of its place says. When more are kept than there
- * may be, the grid gets coarser by a fifth and what is kept is thinned again, so that neither the
- * extent nor the number of the points has to be known. Points whose place is not finite are left
- * out. What is kept is the same by any number of threads: these look which points may be kept, and
- * one after the other those are.
+ * where the scan has normals. Which it is, a hash of its place says. While points come there is
+ * room for twice as many as are kept in the end. When there is none left the grid gets coarser, by
+ * as much as leaves half of them, and what is kept is thinned again, so that neither the extent nor
+ * the number of the points has to be known; and in the end by as much as leaves what may be kept,
+ * or of it more than 0.93. Points whose place is not finite are left out. What is kept is the same
+ * by any number of threads: these look which points may be kept, and one after the other those are.
  *
  * A point that is kept has all that it had in the scan, but for emission_r and its fellows where
  * these are fractions: these become the mean of all points of its cube, so that as much is emitted
@@ -36,10 +37,11 @@ typedef struct scan_thinning_sum {
 } scan_thinning_sum;
 
 typedef struct scan_thinning {
-	size_t most;      /* points to be kept, 1 or more; from a half of them on is usual */
+	size_t most;      /* points to be kept, 1 or more */
+	size_t room;      /* points that are kept meanwhile at most */
 	uint32_t threads; /* 0: one a core */
 	double width;     /* of the cubes, in units of the coordinates; 0: not known yet */
-	scan kept;       /* columns of the parts, with room for `most` points; kept.count are there, and
+	scan kept;       /* columns of the parts, with room for `room` points; kept.count are there, and
 					  * its other facts are those of the first part */
 	uint64_t *cube;  /* one a point that is kept */
 	uint64_t *rank;  /* likewise */
@@ -47,6 +49,8 @@ typedef struct scan_thinning {
 	uint32_t *from;  /* likewise: 0, or 1 + the point that it is to become */
 	uint64_t mask;   /* of the table: */
 	uint32_t *slot;  /* 0: free; or 1 + the number of a point that is kept */
+	uint64_t bits_mask; /* of the table by which cubes are counted: */
+	_Atomic uint64_t *bits;
 	scan_thinning_sum *emitted; /* one a point that is kept, of its cube; NULL: nothing emits */
 	scan_thinning_part part;
 } scan_thinning;
@@ -60,8 +64,8 @@ scan_thinning scan_thinning_begin(size_t most, uint32_t threads);
  */
 gw_status scan_thinning_add(scan_thinning *thinning, const scan *part, gw_error *error);
 
-/* Hands over what was kept, in no order that means anything; the thinning is empty then.
- *   cloud   to be freed with scan_clear */
+/* Hands over what was kept, as many as may be, in no order that means anything; the thinning is
+ * empty then. cloud   to be freed with scan_clear */
 void scan_thinning_take(scan_thinning *thinning, scan *cloud);
 
 void scan_thinning_clear(scan_thinning *thinning);

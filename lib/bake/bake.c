@@ -7,6 +7,7 @@
 #include "glowworm_host.h"
 #include "light/direct_light.h"
 #include "octree/compartments.h"
+#include "bake/bake_memory.h"
 #include "bake/effect_seconds.h"
 #include "bake/error_price.h"
 #include "bake/forecast.h"
@@ -29,6 +30,7 @@
 #include "bake/voxels.h"
 #include "bake/volume_light.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -53,7 +55,8 @@ typedef struct bake {
 	double octree_seconds;
 	bool refining; /* the first round is over */
 	bool planning; /* nothing comes after the forecast */
-	bool trial;    /* as in gw_bake_manner */
+	bool trial;    /* as in gw_bake_manner, as is: */
+	gw_memory_ceiling *ceiling;
 
 	gw_scene scene;
 	gw_lighting light;
@@ -144,6 +147,33 @@ static void drop_shapes(bake *b, bool lit)
 	s->bend = NULL;
 }
 
+static gw_memory_facts memory_facts(const bake *b)
+{
+	const gw_scene_description scene = { b->points, b->light.lights, b->light.light_count };
+	const gw_bake_options *options = &b->scene.options;
+	gw_memory_facts facts = gw_bake_memory_guess(&scene, options, options->surface_points > 0);
+	facts.surfels = b->scene.surfels.count;
+	facts.facets = b->scene.octree.facet_count;
+	return facts;
+}
+
+/* Whether memory holds what will be made with the octree. */
+static gw_status check_memory(bake *b, gw_error *error)
+{
+	gw_memory_ceiling *c = b->ceiling;
+	if (!c || c->foretold > 0)
+		return GW_OK;
+	const gw_memory_facts facts = memory_facts(b);
+	c->foretold = gw_bake_memory(&facts);
+	uint64_t fit = gw_bake_memory_points(&facts, c->bytes);
+	if (c->foretold <= c->bytes || fit < c->least)
+		return GW_OK;
+	c->fit = fit;
+	return gw_fail(error, GW_ERROR_MEMORY,
+				   "the light of %zu points would take %" PRIu64 " MB of memory", b->points->count,
+				   c->foretold / 1000000);
+}
+
 static gw_status build_octree(bake *b, gw_error *error)
 {
 	b->octree_start = gw_seconds();
@@ -151,7 +181,7 @@ static gw_status build_octree(bake *b, gw_error *error)
 		return gw_scene_do_without_octree(&b->scene, error);
 	GW_TRY(gw_scene_build_octree(&b->scene, error));
 	drop_shapes(b, false);
-	return GW_OK;
+	return check_memory(b, error);
 }
 
 static gw_status light_directly(bake *b, gw_error *error)
@@ -162,11 +192,32 @@ static gw_status light_directly(bake *b, gw_error *error)
 	return GW_OK;
 }
 
+/* A gw_half_bake for which there is no room beside what is there. */
+static gw_status refuse_half(const gw_scene_description *scene, const gw_bake_options *options,
+							 gw_gpu **device, const gw_bake_callbacks *callbacks,
+							 gw_bake_result **result, gw_error *error)
+{
+	(void)options;
+	(void)device;
+	(void)callbacks;
+	*result = NULL;
+	return gw_fail(error, GW_ERROR_MEMORY,
+				   "no memory to bake half of %zu points beside all of them", scene->points->count);
+}
+
+static bool has_room_for_half(const bake *b)
+{
+	const gw_memory_ceiling *c = b->ceiling;
+	const gw_memory_facts facts = memory_facts(b);
+	return !c || c->foretold == 0 || c->foretold + gw_bake_memory_of_half(&facts) <= c->bytes;
+}
+
 static gw_status foretell_halves(bake *b, const gw_bake_result *light, gw_error *error)
 {
 	const gw_scene_description scene = { b->points, b->light.lights, b->light.light_count };
-	const gw_half_forecast_task task = { gw_bake_on_device, &scene, &b->scene.options,
-										 &b->scene.callbacks, b->scene.gpu };
+	gw_half_bake *half = has_room_for_half(b) ? gw_bake_on_device : refuse_half;
+	const gw_half_forecast_task task = { half, &scene, &b->scene.options, &b->scene.callbacks,
+										 b->scene.gpu };
 	return gw_half_forecast_add(&task, light, b->report, error);
 }
 
@@ -616,8 +667,20 @@ static bool has_few_records(const bake *b)
 		   b->scene.records.spacing > fmaxf(o->record_spacing, GW_RECORD_SPACING_LEAST);
 }
 
+/* Adds no more records than memory holds; false: it holds none. */
+static bool has_room(const bake *b, gw_density_wish *wish)
+{
+	const gw_memory_ceiling *c = b->ceiling;
+	if (!c || c->foretold == 0)
+		return true;
+	uint64_t records = gw_pilot_record_bytes(&b->scene);
+	wish->most_growth =
+		fmin(wish->most_growth, gw_bake_memory_growth(c->foretold, c->bytes, records));
+	return wish->most_growth >= GROWTH_LEAST;
+}
+
 /* Adds records where few disagree, until gathered light is right enough or they stand as close as
- * they may. */
+ * they may, or memory holds no more. */
 static gw_status add_to_few(bake *b, gw_error *error)
 {
 	char why[96];
@@ -629,7 +692,7 @@ static gw_status add_to_few(bake *b, gw_error *error)
 		   b->report->round_count < GW_REPORT_ROUNDS - 1) {
 		const gw_bake_options even = as_even(b);
 		const gw_refine_state state = state_of(b, &even);
-		if (gw_refine_gathered(&state, &wish, why) != GW_REFINE_ROUND)
+		if (gw_refine_gathered(&state, &wish, why) != GW_REFINE_ROUND || !has_room(b, &wish))
 			break;
 		status = refine_records(b, &wish, why, error);
 	}
@@ -731,7 +794,10 @@ static gw_status bake_in_units(const gw_scaled_scene *scaled, gw_bake_manner man
 {
 	const gw_bake_options *options = &scaled->options;
 	*result = NULL;
-	bake b = { .points = scaled->scene.points, .planning = manner.planning, .trial = manner.trial };
+	bake b = { .points = scaled->scene.points,
+			   .planning = manner.planning,
+			   .trial = manner.trial,
+			   .ceiling = manner.ceiling };
 	b.result = gw_allocate_zeros(1, sizeof *b.result);
 	if (!b.result)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for a result");

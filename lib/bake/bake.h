@@ -7,6 +7,7 @@
 #include "glowworm.h"
 
 struct gw_gpu;
+struct gw_memory_ceiling;
 
 /* How a bake is to be done; all zero: as one by itself. */
 typedef struct gw_bake_manner {
@@ -16,6 +17,7 @@ typedef struct gw_bake_manner {
 	const struct gw_known_light *known; /* NULL; or of points beyond the region, which are far
 										   sparser than those of it: the octree is as fine as
 										   these, and coarser ones are in the tree of large discs */
+	struct gw_memory_ceiling *ceiling;  /* NULL, or how much it may take (bake_memory.h) */
 	struct gw_gpu **device; /* NULL, or where a device is left for those who come after, to be
 							   destroyed by the caller; what is there is used */
 } gw_bake_manner;

@@ -5,9 +5,11 @@
 
 static void progress_of_part(void *user, const char *stage, double done)
 {
-	const gw_progress_part *p = user;
+	gw_progress_part *p = user;
+	double now = p->from + p->share * done;
+	p->told = now > p->told ? now : p->told;
 	if (p->whole->progress)
-		p->whole->progress(p->whole->user, p->name ? p->name : stage, p->from + p->share * done);
+		p->whole->progress(p->whole->user, p->name ? p->name : stage, p->told);
 }
 
 static bool part_is_cancelled(void *user)

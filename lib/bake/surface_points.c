@@ -17,20 +17,22 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Bytes of a bake: at all, and a point of the surface, as a rough cave of 1.4 million points has
- * them; a room of a million has two thirds. When these are given back, the light of all points
- * takes less. */
+/* Bytes of a bake of which less is known: at all, and a point of the surface. */
 #define FIXED_BYTES (UINT64_C(160) << 20)
 #define SURFACE_BYTES 1120u
 
-/* What a program with its drivers holds before a bake, and of each point it was given. Where a
- * limit is set this is what counts, and not what it holds just then, which by two threads or
- * another driver is never quite the same: the same points are to make the surface. */
+/* What a program with its drivers holds before a bake, and of each point it was given; when a bake
+ * has given back what it took, the light of all points takes less. Where a limit is set this is
+ * what counts, and not what it holds just then, which by two threads or another driver is never
+ * quite the same: the same points are to make the surface. */
 #define PROGRAM_BYTES (UINT64_C(66) << 20)
 #define GIVEN_BYTES 150u
 
 /* With fewer points a bake is refused for want of memory rather than made of next to nothing. */
 #define POINTS_LEAST 10000u
+
+/* Of the points that would fit so many are taken: fewer points have more facets each. */
+#define FEWER 0.93
 
 /* Points of a surface whose light may be exact enough where an error is asked for. */
 #define FIRST_TRIED 50000u
@@ -45,22 +47,50 @@
 
 #define CHUNK 16384u
 
-size_t gw_surface_points_most(const gw_points *points, const gw_bake_options *options)
+uint64_t gw_surface_points_memory(const gw_points *points, const gw_bake_options *options)
 {
+	uint64_t taken = PROGRAM_BYTES + GIVEN_BYTES * points->count;
+	if (options->surface_points > 0 || options->transport ||
+		(options->region && options->region->camera))
+		return 0;
+	if (options->memory > 0)
+		return options->memory > taken ? options->memory - taken : 1;
+	/* What drivers take would count or not, as they happen to be loaded. */
+	gw_drivers_wait(options->drivers);
+	return gw_available_memory() / 4 * 3;
+}
+
+/* How many points are likely to take so much; all: where these are all that there are. */
+static uint64_t points_for(const gw_scene_description *scene, const gw_bake_options *options,
+						   uint64_t memory, bool all)
+{
+	if (!gw_bake_memory_is_known(options))
+		return memory > FIXED_BYTES ? (memory - FIXED_BYTES) / SURFACE_BYTES : 0;
+	const gw_memory_facts facts = gw_bake_memory_guess(scene, options, !all);
+	return gw_bake_memory_points(&facts, memory);
+}
+
+size_t gw_surface_points_most(const gw_scene_description *scene, const gw_bake_options *options,
+							  uint64_t memory)
+{
+	size_t count = scene->points->count;
 	if (options->surface_points > 0)
 		return options->surface_points;
-	uint64_t left = options->memory, taken = PROGRAM_BYTES + GIVEN_BYTES * points->count;
-	if (left > 0) {
-		left = left > taken ? left - taken : 0;
-	} else {
-		/* What drivers take would count or not, as they happen to be loaded. */
-		gw_drivers_wait(options->drivers);
-		left = gw_available_memory() / 4 * 3;
-	}
-	if (left == 0 || options->transport || (options->region && options->region->camera))
-		return points->count;
-	uint64_t most = left > FIXED_BYTES ? (left - FIXED_BYTES) / SURFACE_BYTES : 0;
-	return most < POINTS_LEAST || most > points->count ? points->count : (size_t)most;
+	if (memory == 0 || points_for(scene, options, memory, true) >= count)
+		return count;
+	uint64_t most = points_for(scene, options, memory, false);
+	return most < POINTS_LEAST || most > count ? count : (size_t)most;
+}
+
+gw_memory_ceiling gw_surface_points_ceiling(const gw_bake_options *options, uint64_t memory)
+{
+	bool known = gw_bake_memory_is_known(options);
+	return (gw_memory_ceiling){ .bytes = known ? memory : 0, .least = POINTS_LEAST };
+}
+
+size_t gw_surface_points_fewer(uint64_t fit)
+{
+	return (size_t)(FEWER * (double)fit);
 }
 
 size_t gw_surface_points_next(size_t tried, double error, double wanted, size_t most)

@@ -19,11 +19,24 @@
 #ifndef SURFACE_POINTS_H
 #define SURFACE_POINTS_H
 
+#include "bake/bake_memory.h"
 #include "bake/point_subset.h"
 
-/* How many points the surface may be made of: gw_bake_options.surface_points, or what fits into
- * gw_bake_options.memory; at least as many as there are where all may. */
-size_t gw_surface_points_most(const gw_points *points, const gw_bake_options *options);
+/* Bytes that the bake of a surface may take beside the program and all points, of
+ * gw_bake_options.memory or most of what there is now; 0: it does not say how many points there may
+ * be, or nobody knows. */
+uint64_t gw_surface_points_memory(const gw_points *points, const gw_bake_options *options);
+
+/* How many points the surface may be made of: gw_bake_options.surface_points, or what is likely to
+ * fit into so much memory (bake_memory.h); at least as many as there are where all may. */
+size_t gw_surface_points_most(const gw_scene_description *scene, const gw_bake_options *options,
+							  uint64_t memory);
+
+/* How much such a bake may take; its bytes are 0 where that is not known. */
+gw_memory_ceiling gw_surface_points_ceiling(const gw_bake_options *options, uint64_t memory);
+
+/* How many to take after a bake of more than fit into its memory. */
+size_t gw_surface_points_fewer(uint64_t fit);
 
 /*
  * How many to try next where an error is asked for: fewer points first, since light is smooth; then

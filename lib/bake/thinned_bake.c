@@ -9,6 +9,7 @@
 #include "bake/report.h"
 #include "bake/surface_light.h"
 #include "bake/surface_points.h"
+#include "base/memory.h"
 #include "glowworm_host.h"
 
 #include <stdio.h>
@@ -17,10 +18,12 @@
 typedef struct thinned {
 	const gw_scene_description *whole;
 	const gw_bake_options *options;
-	size_t limit; /* more than this its points cannot be, or are not to be */
-	size_t most;  /* that this one may be made of */
+	size_t limit;              /* more than this its points cannot be, or are not to be */
+	size_t most;               /* that this one may be made of */
+	gw_memory_ceiling ceiling; /* that its bake has to hold */
 	gw_point_subset surface;
 	double seconds; /* that choosing it took */
+	double spent;   /* and before, on such as memory did not hold */
 } thinned;
 
 /* Whether smaller surfaces are tried first, until one has the error that is asked for. */
@@ -31,10 +34,12 @@ static bool climbs(const gw_bake_options *o)
 
 static thinned begin(const gw_scene_description *scene, const gw_bake_options *options)
 {
-	size_t limit = gw_surface_points_most(scene->points, options);
+	uint64_t memory = gw_surface_points_memory(scene->points, options);
+	size_t limit = gw_surface_points_most(scene, options, memory);
 	return (thinned){ .whole = scene,
 					  .options = options,
 					  .limit = limit,
+					  .ceiling = gw_surface_points_ceiling(options, memory),
 					  .most =
 						  climbs(options) ? gw_surface_points_next(0, 0.0, 0.0, limit) : limit };
 }
@@ -97,6 +102,24 @@ static gw_status light_others(const thinned *t, gw_bake_result *result, gw_error
 	return GW_OK;
 }
 
+static gw_memory_ceiling *ceiling_of(thinned *t)
+{
+	return t->ceiling.bytes > 0 ? &t->ceiling : NULL;
+}
+
+/* Whether memory turned out not to hold a surface, but holds one of fewer points, which is tried
+ * next. */
+static bool takes_fewer(thinned *t, double start)
+{
+	if (t->ceiling.fit == 0)
+		return false;
+	t->limit = t->most = gw_surface_points_fewer(t->ceiling.fit);
+	t->ceiling.fit = t->ceiling.foretold = 0;
+	t->spent = gw_seconds() - start;
+	gw_give_back_memory();
+	return true;
+}
+
 static gw_status bake_surface(thinned *t, const gw_bake_callbacks *callbacks,
 							  gw_bake_result **result, gw_error *error)
 {
@@ -107,7 +130,7 @@ static gw_status bake_surface(thinned *t, const gw_bake_callbacks *callbacks,
 	gw_bake_options options = *t->options;
 	options.surface_points = (uint32_t)t->surface.points.count;
 	options.region = !all && options.region ? &region : options.region;
-	const gw_bake_manner manner = { .trial = t->most < t->limit };
+	const gw_bake_manner manner = { .trial = t->most < t->limit, .ceiling = ceiling_of(t) };
 	GW_TRY(gw_bake_checked(&part, &options, manner, callbacks, result, error));
 	/* What is missed already the others would not mend. */
 	bool useless = manner.trial && (*result)->report.missed;
@@ -117,17 +140,24 @@ static gw_status bake_surface(thinned *t, const gw_bake_callbacks *callbacks,
 	return status;
 }
 
-/* One bake, of a surface or of all points. part: receives which of the progress it is. */
+/* One bake, of a surface or of all points; where memory does not hold what it takes, of fewer.
+ * part: receives which of the progress it is. */
 static gw_status try_surface(thinned *t, gw_progress_part *part, gw_bake_result **result,
 							 gw_error *error)
 {
 	double share = (double)t->most / ((double)t->limit + (double)t->most);
 	part->share = (1.0 - part->from) * (t->most < t->limit ? share : 1.0);
 	const gw_bake_callbacks callbacks = gw_progress_part_callbacks(part);
-	gw_status status = thin(t, error);
+	double start = gw_seconds();
+	gw_status status;
+	do {
+		status = thin(t, error);
+		if (status == GW_OK)
+			status = bake_surface(t, &callbacks, result, error);
+		gw_point_subset_clear(&t->surface);
+	} while (status == GW_ERROR_MEMORY && takes_fewer(t, start));
 	if (status == GW_OK)
-		status = bake_surface(t, &callbacks, result, error);
-	gw_point_subset_clear(&t->surface);
+		add_stage("larger surfaces", t->spent, &(*result)->report);
 	part->from += part->share;
 	return status;
 }
@@ -178,6 +208,22 @@ gw_status gw_bake(const gw_scene_description *scene, const gw_bake_options *opti
 	return GW_OK;
 }
 
+static gw_status plan_surface(thinned *t, const gw_bake_callbacks *callbacks, gw_bake_result **plan,
+							  gw_error *error)
+{
+	GW_TRY(thin(t, error));
+	bool all = t->surface.from == NULL;
+	const gw_scene_description part = { all ? t->whole->points : &t->surface.points,
+										t->whole->lights, t->whole->light_count };
+	const gw_bake_manner planning = { .planning = true, .ceiling = ceiling_of(t) };
+	gw_bake_options of_part = *t->options;
+	of_part.surface_points = (uint32_t)t->surface.points.count;
+	GW_TRY(gw_bake_once(&part, &of_part, planning, callbacks, plan, error));
+	if (!all)
+		report_surface(t, &(*plan)->report);
+	return GW_OK;
+}
+
 gw_status gw_plan_bake(const gw_scene_description *scene, const gw_bake_options *options,
 					   const gw_bake_callbacks *callbacks, gw_bake_result **plan, gw_error *error)
 {
@@ -189,18 +235,11 @@ gw_status gw_plan_bake(const gw_scene_description *scene, const gw_bake_options 
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "what the light of a region takes is not foretold; plan the whole scene");
 	const gw_bake_options effective = gw_options_effective(options);
-	const gw_bake_manner planning = { .planning = true };
 	thinned t = begin(scene, &effective);
-	gw_status status = thin(&t, error);
-	bool all = t.surface.from == NULL;
-	const gw_scene_description part = { all ? scene->points : &t.surface.points, scene->lights,
-										scene->light_count };
-	gw_bake_options of_part = effective;
-	of_part.surface_points = (uint32_t)t.surface.points.count;
-	if (status == GW_OK)
-		status = gw_bake_once(&part, &of_part, planning, callbacks, plan, error);
-	if (status == GW_OK && !all)
-		report_surface(&t, &(*plan)->report);
-	gw_point_subset_clear(&t.surface);
+	gw_status status;
+	do {
+		status = plan_surface(&t, callbacks, plan, error);
+		gw_point_subset_clear(&t.surface);
+	} while (status == GW_ERROR_MEMORY && takes_fewer(&t, 0.0));
 	return status;
 }

@@ -4,6 +4,7 @@
 #include "base/memory.h"
 
 #include <inttypes.h>
+#include <malloc.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -148,6 +149,13 @@ static uint64_t memory_of_addresses(void)
 	read_number("/proc/self/statm", &pages);
 	used = pages * (uint64_t)sysconf(_SC_PAGESIZE);
 	return used < limit.rlim_cur ? limit.rlim_cur - used : 1; /* 0 would be unknown */
+}
+
+void gw_give_back_memory(void)
+{
+#ifdef __GLIBC__
+	malloc_trim(0);
+#endif
 }
 
 uint64_t gw_resident_memory(void)

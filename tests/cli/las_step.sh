@@ -52,5 +52,5 @@ glowworm mix lit.ply --gain a=2 --las-step auto -o mixed.laz 2>&1
 step_of mixed.laz
 # Of a cloud that memory does not hold, some are kept.
 make_cave --points 20000 -o cave.ply
-bake cave.ply -o lit.laz --strays keep --effects lamps --memory 278M 2>&1 | grep step
+bake cave.ply -o lit.laz --strays keep --effects lamps --memory 150M 2>&1 | grep step
 step_of lit.laz

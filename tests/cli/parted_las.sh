@@ -8,7 +8,7 @@ ${LOOK_FOR_DEVICE:-glowworm info --devices} >/dev/null 2>&1 ||
 make_cave --points 90000 -o cave.ply
 glowworm convert cave.ply cave.laz
 lamp='point at 3.4,0,1.9 intensity 40 name lamp'
-bake() { bake_all "$@" --memory 278M; }
+bake() { bake_all "$@" --memory 150M; }
 bake_all() { glowworm bake "$@" --strays keep --effects lamps --light "$lamp"; }
 # Floats, which LAS has no grid for but a fine one; and what was LAZ, whose grid it keeps.
 for input in cave.ply cave.laz; do
@@ -22,7 +22,7 @@ done
 bake cave.laz -q -j 1 -o one.laz && cmp one.laz lit.laz
 bake cave.laz -q --resume -o resumed.las && cmp resumed.las lit.las
 # Places in LAZ are not known before; of tiles they need not be.
-run 2 bake cave.laz --strays keep --memory 278M --light "$lamp" --resume -o resumed.laz
+run 2 bake cave.laz --strays keep --memory 150M --light "$lamp" --resume -o resumed.laz
 make_cave --points 30000 -o small.ply
 for output in ply laz e57 pcd cloud; do
 	bake_all small.ply -q -j 1 --tiles 3 --rays 16 --resume -o tiled.$output

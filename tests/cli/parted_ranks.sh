@@ -19,20 +19,20 @@ start() ( # processes options...
 		bake cave.ply -j 1 --strays keep --effects lamps \
 		--light 'point at 3.4,0,1.9 intensity 40' "$@"
 )
-start 1 -q --memory 278M -o one.ply
-start 3 --memory 278M --report lit.json -o three.ply 2>&1 | cut -d ' ' -f 2,4-8
+start 1 -q --memory 150M -o one.ply
+start 3 --memory 150M --report lit.json -o three.ply 2>&1 | cut -d ' ' -f 2,4-8
 grep -o '^ "points": [0-9]*' lit.json
 cmp three.ply one.ply
 # The second of two is killed.
-start 2 --memory 278M --resume -o lit.ply 2>said.txt &
+start 2 --memory 150M --resume -o lit.ply 2>said.txt &
 until [ -s lit.ply.resume ]; do sleep 0.01; done
 kill -9 "$(cat process.1)"
 wait $! || ls lit.ply*
 sed -n 's/.*noticed that process \(rank .\) .*\(exited .*\)/\1 \2/p' said.txt
 grep -h kept said.txt
-start 1 -q --memory 278M --resume -o lit.ply
+start 1 -q --memory 150M --resume -o lit.ply
 cmp lit.ply one.ply
 # What several cannot share.
 start 2 -q -o all.ply 2>&1 | grep ^glowworm
-start 2 -q --memory 278M -o lit.ply 2>&1 | grep ^glowworm
+start 2 -q --memory 150M -o lit.ply 2>&1 | grep ^glowworm
 ls ./*.ply*

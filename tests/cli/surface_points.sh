@@ -23,13 +23,13 @@ bake few.json -q -j 1 -o key.ply
 bake box.ply -q --surface-points 70000 -o many.ply
 bake box.ply -q -o all.ply
 [ "$(body many.ply)" = "$(body all.ply)" ] && echo "of more than there are: all"
-# In 260 MiB, of which the program takes some by itself, there is room for about a half.
-bake box.ply --memory 260M --explain --report some.json -o some.ply >said.txt 2>&1
+# In 165 MiB, of which the program takes some by itself, there is room for about a half.
+bake box.ply --memory 165M --explain --report some.json -o some.csv >said.txt 2>&1
 short <said.txt
 surface some.json 10000 59000
 sed -nE 's/^came .* ([0-9]+) MB of the host.*/\1/p' said.txt |
-	awk '{ print ($1 < 273) ? "below" : $1 }'
-glowworm plan box.ply --memory 260M 2>&1 | grep -c 'half of the points baked'
+	awk '{ print ($1 < 174) ? "below" : $1 }'
+glowworm plan box.ply --memory 165M 2>&1 | grep -c 'half of the points baked'
 # What is explained is the same light, also where surface keeps something apart.
 make_cave --points 6000 -o cave.ply
 in_cave() {

@@ -445,6 +445,13 @@ static void same_by_any_threads(void **state)
 	scene_clear(&s);
 }
 
+static size_t most_of(const gw_points *points, const gw_bake_options *options)
+{
+	const gw_light sky = { .type = GW_LIGHT_ENVIRONMENT, .radiance = { 1, 1, 1 } };
+	const gw_scene_description scene = { points, &sky, 1 };
+	return gw_surface_points_most(&scene, options, gw_surface_points_memory(points, options));
+}
+
 /* As many as memory holds, where it holds some; with less a bake is refused as ever. */
 static void memory_says_how_many(void **state)
 {
@@ -452,21 +459,92 @@ static void memory_says_how_many(void **state)
 	scene s = uneven_square(40000);
 	const gw_points points = scene_points(&s);
 	gw_bake_options options = gw_bake_options_default();
-	assert_int_equal(gw_surface_points_most(&points, &options), s.count);
+	assert_int_equal(most_of(&points, &options), s.count);
 	options.memory = UINT64_C(1) << 40;
-	assert_int_equal(gw_surface_points_most(&points, &options), s.count);
+	assert_int_equal(most_of(&points, &options), s.count);
 	options.memory = UINT64_C(1) << 20;
-	assert_int_equal(gw_surface_points_most(&points, &options), s.count);
+	assert_int_equal(most_of(&points, &options), s.count);
 	size_t least = s.count, fewer = 0;
 	for (options.memory = UINT64_C(100) << 20; options.memory < UINT64_C(2) << 30;
-		 options.memory += UINT64_C(4) << 20) {
-		size_t most = gw_surface_points_most(&points, &options);
+		 options.memory += UINT64_C(1) << 20) {
+		size_t most = most_of(&points, &options);
 		least = most < least ? most : least;
 		fewer += most < s.count;
 	}
 	assert_true(fewer > 0);
-	/* A step of memory is 3745 points of the surface, of 1120 bytes each. */
-	assert_in_range(least, 10000, 13745);
+	/* A step of memory is 1515 points of the surface, of 692 bytes each. */
+	assert_in_range(least, 10000, 11515);
+	scene_clear(&s);
+}
+
+/* What fits takes no more than there is, and one in a hundred more points take more, whatever a
+ * point takes; and records grow by what is left. */
+static void memory_is_foretold(void **state)
+{
+	(void)state;
+	for (int bits = 0; bits < 8; bits++) {
+		gw_memory_facts f = { .points = 1000000,
+							  .surfels = bits & 1 ? 1900000 : 1000000,
+							  .facets = bits & 2 ? 3000000 : 700000,
+							  .subset = bits & 4,
+							  .lamps = bits & 2,
+							  .estimated = bits & 1 };
+		const uint64_t bytes = UINT64_C(500) << 20;
+		double all = (double)f.points, share = (double)gw_bake_memory_points(&f, bytes) / all;
+		gw_memory_facts fit = f, more = f;
+		fit.points = (uint64_t)(share * (double)f.points);
+		fit.surfels = (uint64_t)(share * (double)f.surfels);
+		fit.facets = (uint64_t)(share * (double)f.facets);
+		more.points = (uint64_t)(1.01 * share * (double)f.points);
+		more.surfels = (uint64_t)(1.01 * share * (double)f.surfels);
+		more.facets = (uint64_t)(1.01 * share * (double)f.facets);
+		assert_true(gw_bake_memory(&fit) <= bytes && gw_bake_memory(&more) > bytes);
+		assert_int_equal(gw_bake_memory_points(&f, 1000), 0);
+	}
+	assert_true(gw_bake_memory_growth(1000, 900, 100) == 1.0);
+	assert_true(gw_bake_memory_growth(1000, 2000, 100) > 5.0);
+}
+
+/* Points that fill a cube, each of which faces where it will: three facets a point, where memory
+ * was said to hold all by as many as most scenes have. So their number is chosen again, by what the
+ * octree of all turned out to take, and the bake of these is the one that is returned, as it is
+ * planned. */
+static void points_that_take_more_are_fewer(void **state)
+{
+	(void)state;
+	const size_t count = 40000;
+	const gw_light sky = { .type = GW_LIGHT_ENVIRONMENT, .radiance = { 1, 1, 1 } };
+	scene s = { .state = 5 };
+	scene_add_box(&s, (double[3]){ 0, 0, 0 }, (double[3]){ 1, 1, 1 }, 85.0, 0.5f);
+	assert_true(s.count >= count);
+	for (size_t i = 0; i < 3 * count; i++) {
+		s.position[i] = scene_random(&s);
+		s.normal[i] = (float)(scene_random(&s) - 0.5);
+	}
+	s.count = count;
+	const gw_points points = scene_points(&s);
+	gw_bake_options options = gw_bake_options_default();
+	options.rays = 16;
+	options.estimate_points = 0;
+	options.memory = (UINT64_C(166) << 20) + 150 * count;
+	assert_int_equal(most_of(&points, &options), count);
+	gw_bake_result *fewer = scene_bake(&points, &sky, 1, &options), *plan;
+	assert_in_range(fewer->report.surface_points, 10000, count * 6 / 10);
+	assert_int_equal(fewer->count, count);
+	assert_true(scene_has_stage(&fewer->report, "larger surfaces"));
+	gw_error error;
+	assert_int_equal(
+		gw_plan_bake(&(gw_scene_description){ &points, &sky, 1 }, &options, NULL, &plan, &error),
+		GW_OK);
+	assert_int_equal(plan->report.surface_points, fewer->report.surface_points);
+	gw_bake_result_destroy(&plan);
+	/* By twice the memory all fit; without a limit by that of the machine. */
+	options.memory *= 2;
+	gw_bake_result *all = scene_bake(&points, &sky, 1, &options);
+	assert_int_equal(all->report.surface_points, 0);
+	assert_false(scene_has_stage(&all->report, "larger surfaces"));
+	gw_bake_result_destroy(&all);
+	gw_bake_result_destroy(&fewer);
 	scene_clear(&s);
 }
 
@@ -678,6 +756,8 @@ int main(void)
 		cmocka_unit_test(lamps_light_what_is_far),
 		cmocka_unit_test(same_by_any_threads),
 		cmocka_unit_test(memory_says_how_many),
+		cmocka_unit_test(memory_is_foretold),
+		cmocka_unit_test(points_that_take_more_are_fewer),
 		cmocka_unit_test(an_error_asks_for_more),
 		cmocka_unit_test(an_error_takes_few_points),
 		cmocka_unit_test(what_cannot_be_is_refused),
