@@ -472,8 +472,8 @@ static void memory_says_how_many(void **state)
 		fewer += most < s.count;
 	}
 	assert_true(fewer > 0);
-	/* A step of memory is 1515 points of the surface, of 692 bytes each. */
-	assert_in_range(least, 10000, 11515);
+	/* A step of memory is 1413 points of the surface, of 742 bytes each. */
+	assert_in_range(least, 10000, 11413);
 	scene_clear(&s);
 }
 
