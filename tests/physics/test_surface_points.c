@@ -448,8 +448,8 @@ static void same_by_any_threads(void **state)
 static size_t most_of(const gw_points *points, const gw_bake_options *options)
 {
 	const gw_light sky = { .type = GW_LIGHT_ENVIRONMENT, .radiance = { 1, 1, 1 } };
-	const gw_scene_description scene = { points, &sky, 1 };
-	return gw_surface_points_most(&scene, options, gw_surface_points_memory(points, options));
+	const gw_scene_description all = { points, &sky, 1 };
+	return gw_surface_points_most(&all, options, gw_surface_points_memory(points, options));
 }
 
 /* As many as memory holds, where it holds some; with less a bake is refused as ever. */
