@@ -11,11 +11,12 @@
 
 /* While points come there is room for so many times as many as may be kept, and then for some more:
  * however wide cubes are, points on eight sides of the origin that face seven ways lie in others.
- * When it is full cubes get wider, until about LEFT of it is taken: in the end about as many are
- * there as may be, or more, of which those are taken that may be. */
+ * When it is full cubes get wider, until from a half to LEFT of it is taken, which is soon found:
+ * in the end about as many are there as may be, or more, of which those are taken that may be. */
 #define ROOM 2.0
 #define ROOM_MORE 64u
-#define LEFT 0.52
+#define LEFT 0.7
+#define NEARLY_LEFT 0.71
 
 /* Where the border of cubes lies at the origin, in their widths: no fraction, so that points in
  * rows do not all go over borders at one width, where some more or less are wanted. */
@@ -25,7 +26,6 @@
  * a little off, and aim in between. */
 #define NEARLY 0.94
 #define ALMOST 0.99
-#define AIM 0.97
 #define TRIES_MOST 60
 
 /* By how much a try widens cubes at most; and where the last one took away next to nothing, cubes
@@ -36,6 +36,10 @@
 /* Bits a point of the table by which cubes are counted, and those of the smallest. */
 #define COUNTING_BITS 16u
 #define COUNTING_LEAST ((uint64_t)1 << 16)
+
+/* Of more points one in so many of the cubes is counted, a power of two. */
+#define COUNTED_LEAST ((size_t)400000)
+#define COUNTED_OF 4u
 
 /* Values of a column by which the first cubes are chosen. */
 #define SAMPLES 1000u
@@ -240,6 +244,7 @@ typedef struct widening {
 	scan_thinning *t;
 	views v;
 	double width;
+	uint64_t left_out; /* 0, or of so many more cubes one is counted */
 } widening;
 
 static void find_wider(void *user, size_t first, size_t last, uint32_t worker)
@@ -297,7 +302,9 @@ static void count_some(void *user, size_t first, size_t last, uint32_t worker)
 	(void)worker;
 	for (size_t i = first; i < last; i++) {
 		get_place(&w->v, i, place);
-		uint64_t bit = cube_of(&w->v, i, place, w->width) & t->bits_mask;
+		uint64_t cube = cube_of(&w->v, i, place, w->width), bit = cube & t->bits_mask;
+		if (cube >> 32 & w->left_out)
+			continue;
 		atomic_fetch_or_explicit(&t->bits[bit / 64], UINT64_C(1) << bit % 64, memory_order_relaxed);
 	}
 }
@@ -313,19 +320,22 @@ static double count_cubes(widening *w)
 	for (uint64_t i = 0; i < words; i++)
 		set +=
 			(uint64_t)__builtin_popcountll(atomic_load_explicit(&t->bits[i], memory_order_relaxed));
-	return -all * log1p(-(double)set / all);
+	return -all * log1p(-(double)set / all) * (double)(w->left_out + 1);
 }
 
 /* Widens cubes until about so many of the points are left and hardly any more, or if no width does
  * that, fewer. The next one to try is guessed as if surface had four times as many cubes of half
  * the width, and is else amid those that left too many and too few. */
-static void coarsen(scan_thinning *t, double wanted)
+static void coarsen(scan_thinning *t, double wanted, double nearly)
 {
-	widening w = { .t = t, .width = t->width };
-	double low = t->width, high = INFINITY, cubes = (double)t->kept.count, before = INFINITY;
+	widening w = { .t = t,
+				   .width = t->width,
+				   .left_out = t->kept.count > COUNTED_LEAST ? COUNTED_OF - 1 : 0 };
+	double aim = 0.5 * (nearly + ALMOST), low = t->width, high = INFINITY;
+	double cubes = (double)t->kept.count, before = INFINITY;
 	find_views(&t->kept, &w.v);
-	for (int i = 0; i < TRIES_MOST && (cubes > ALMOST * wanted || cubes < NEARLY * wanted); i++) {
-		double growth = fmin(sqrt(fmax(cubes, 1.0) / (AIM * wanted)), GROWTH_MOST);
+	for (int i = 0; i < TRIES_MOST && (cubes > ALMOST * wanted || cubes < nearly * wanted); i++) {
+		double growth = fmin(sqrt(fmax(cubes, 1.0) / (aim * wanted)), GROWTH_MOST);
 		double guess = w.width * (cubes > HELPED * before ? GROWTH_MOST : growth);
 		before = cubes > ALMOST * wanted ? cubes : INFINITY;
 		if (!(guess > low && guess < high))
@@ -333,7 +343,7 @@ static void coarsen(scan_thinning *t, double wanted)
 		w.width = guess;
 		cubes = count_cubes(&w);
 		low = cubes > ALMOST * wanted ? w.width : low;
-		high = cubes < NEARLY * wanted ? w.width : high;
+		high = cubes < nearly * wanted ? w.width : high;
 	}
 	t->width = cubes > ALMOST * wanted && isfinite(high) ? high : w.width;
 	widen(t);
@@ -512,7 +522,7 @@ gw_status scan_thinning_add(scan_thinning *t, const scan *part, gw_error *error)
 		t->width = start_width(t, part, &v);
 	for (size_t i = 0; i < part->count && t->width > 0.0;) {
 		if (t->kept.count == t->room)
-			coarsen(t, LEFT * (double)t->room);
+			coarsen(t, LEFT * (double)t->room, NEARLY_LEFT);
 		i = take_points(&job, i);
 	}
 	return GW_OK;
@@ -531,7 +541,7 @@ static void take_emission(scan_thinning *t)
 void scan_thinning_take(scan_thinning *t, scan *cloud)
 {
 	for (int i = 0; i < TRIES_MOST && t->kept.count > t->most; i++)
-		coarsen(t, (double)t->most);
+		coarsen(t, (double)t->most, NEARLY);
 	take_emission(t);
 	*cloud = t->kept;
 	t->kept = (scan){ 0 };

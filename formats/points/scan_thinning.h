@@ -5,10 +5,11 @@
  * One point is kept of each cube of a grid, or one of those in it that face the same of its sides
  * where the scan has normals. Which it is, a hash of its place says. While points come there is
  * room for twice as many as are kept in the end. When there is none left the grid gets coarser, by
- * as much as leaves half of them, and what is kept is thinned again, so that neither the extent nor
- * the number of the points has to be known; and in the end by as much as leaves what may be kept,
- * or of it more than 0.93. Points whose place is not finite are left out. What is kept is the same
- * by any number of threads: these look which points may be kept, and one after the other those are.
+ * as much as leaves half of them or more, and what is kept is thinned again, so that neither the
+ * extent nor the number of the points has to be known; and in the end by as much as leaves what may
+ * be kept, or of it more than 0.93. Points whose place is not finite are left out. What is kept is
+ * the same by any number of threads: these look which points may be kept, and one after the other
+ * those are.
  *
  * A point that is kept has all that it had in the scan, but for emission_r and its fellows where
  * these are fractions: these become the mean of all points of its cube, so that as much is emitted
