@@ -169,10 +169,14 @@ static bool is_off(const figures *f)
 }
 
 /* Opposing neighbours that lie behind are the other side of a sheet. */
+static bool are_sheets(const figures *f)
+{
+	return f->behind < -0.5 * f->heights;
+}
+
 static bool is_mixed(const figures *f)
 {
-	bool sheets = f->behind < -0.5 * f->heights;
-	bool conflicts = f->conflicts >= FINDINGS_LEAST && !sheets &&
+	bool conflicts = f->conflicts >= FINDINGS_LEAST && !are_sheets(f) &&
 					 (double)f->conflicts > CONFLICT_MOST * (double)f->surfels;
 	bool creases = f->against >= FINDINGS_LEAST &&
 				   (double)f->flat > PLANES_LEAST * (double)f->surfels &&
@@ -232,9 +236,14 @@ static gw_status keep_majority(check *c, gw_surfels *s, const float *before, gw_
 	return GW_OK;
 }
 
+static uint64_t contradictions(const figures *f)
+{
+	return (are_sheets(f) ? 0 : f->conflicts) + f->against;
+}
+
 static bool is_better(const figures *after, const figures *before)
 {
-	return BETTER_BY * (after->conflicts + after->against) < before->conflicts + before->against;
+	return BETTER_BY * contradictions(after) < contradictions(before);
 }
 
 /* Counts those that were turned, or takes all back when that did not help. */

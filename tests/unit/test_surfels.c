@@ -842,6 +842,55 @@ static void normals_with_faults_are_mended(void **state)
 	clear_cloud(&c);
 }
 
+/* A square sheet that lies anyhow in a unit cube, with random points on both of its sides. */
+static void put_leaf(cloud *c, size_t first, size_t count, double side, double thickness)
+{
+	double centre[3], axis[3][3];
+	for (int k = 0; k < 3; k++) {
+		centre[k] = uniform();
+		axis[0][k] = gaussian();
+		axis[1][k] = gaussian();
+	}
+	for (int a = 0; a < 3; a++) {
+		double *v = axis[a], along = 0;
+		for (int k = 0; k < 3; k++)
+			v[k] = a < 2 ? v[k]
+						 : axis[0][(k + 1) % 3] * axis[1][(k + 2) % 3] -
+							   axis[0][(k + 2) % 3] * axis[1][(k + 1) % 3];
+		for (int k = 0; k < 3; k++)
+			along += a == 1 ? v[k] * axis[0][k] : 0;
+		for (int k = 0; k < 3; k++)
+			v[k] -= along * axis[0][k];
+		double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+		for (int k = 0; k < 3; k++)
+			v[k] /= length;
+	}
+	for (size_t i = first; i < first + count; i++) {
+		double u = side * (uniform() - 0.5), v = side * (uniform() - 0.5), up = i % 2 ? 1 : -1;
+		for (int k = 0; k < 3; k++) {
+			c->position[3 * i + (size_t)k] =
+				centre[k] + u * axis[0][k] + v * axis[1][k] + 0.5 * thickness * up * axis[2][k];
+			c->normal[3 * i + (size_t)k] = (float)(up * axis[2][k]);
+		}
+	}
+}
+
+/* Leaves of a crown touch and pass each other anyhow, so that where they do their normals
+ * contradict each other. That is no reason to turn the two sides of each leaf the same way, which
+ * would contradict itself nowhere. */
+static void leaves_keep_both_sides(void **state)
+{
+	(void)state;
+	enum { LEAVES = 300, POINTS = 400 };
+	cloud c = make_cloud(LEAVES * POINTS, true);
+	for (size_t leaf = 0; leaf < LEAVES; leaf++)
+		put_leaf(&c, POINTS * leaf, POINTS, 0.1, 0.0005);
+	gw_surfels s = make(&c);
+	assert_int_equal(s.normals_turned + s.normals_doubted, 0);
+	gw_surfels_clear(&s);
+	clear_cloud(&c);
+}
+
 /* A ball whose normals all face its middle, in the sun: nothing would be lit. With a lamp in its
  * middle, or a hole for the sun, they may be right. */
 static void closed_bodies_inside_out_are_turned(void **state)
@@ -2221,6 +2270,7 @@ int main(void)
 		cmocka_unit_test(estimated_normals_face_scanner_or_lamp),
 		cmocka_unit_test(scanners_see_no_further_than_walls),
 		cmocka_unit_test(normals_with_faults_are_mended),
+		cmocka_unit_test(leaves_keep_both_sides),
 		cmocka_unit_test(closed_bodies_inside_out_are_turned),
 		cmocka_unit_test(floors_seen_edge_on_are_trusted),
 		cmocka_unit_test(estimated_normals_are_of_one_side),
