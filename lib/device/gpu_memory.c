@@ -266,6 +266,16 @@ static gw_status check_texel_buffer(const gw_gpu *gpu, VkFormat format, uint64_t
 	return GW_OK;
 }
 
+/* All formats that passes write texels of can be written; others may be. */
+static VkBufferUsageFlags texel_usage(const gw_gpu *gpu, VkFormat format)
+{
+	VkFormatProperties properties;
+	vkGetPhysicalDeviceFormatProperties(gpu->device.handle, format, &properties);
+	bool written = properties.bufferFeatures & VK_FORMAT_FEATURE_STORAGE_TEXEL_BUFFER_BIT;
+	return VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT |
+		   (written ? VK_BUFFER_USAGE_STORAGE_TEXEL_BUFFER_BIT : 0u);
+}
+
 static gw_status create_view(gw_gpu *gpu, VkFormat format, gw_buffer *buffer, gw_error *error)
 {
 	VkBufferViewCreateInfo info = {
@@ -295,7 +305,7 @@ static gw_status make_buffer(gw_gpu *gpu, const gw_buffer_description *descripti
 	size = (size + 3) / 4 * 4;
 	VkBufferUsageFlags usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
 	if (texel)
-		usage |= VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT;
+		usage |= texel_usage(gpu, description->format);
 	const allocation to = {
 		.name = name, .lent = lent, .memory = &buffer->memory, .allocated = &buffer->allocated
 	};

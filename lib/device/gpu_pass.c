@@ -54,6 +54,8 @@ static VkDescriptorType descriptor_type(gw_binding_kind kind)
 		return VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
 	case GW_BIND_TEXEL:
 		return VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
+	case GW_BIND_TEXEL_WRITTEN:
+		return VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER;
 	case GW_BIND_STORAGE_IMAGE:
 		return VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
 	case GW_BIND_SAMPLED_IMAGE:
@@ -85,7 +87,8 @@ static gw_status check_binding_counts(const gw_gpu *gpu, const gw_pass *pass, gw
 		  limits->maxPerStageDescriptorStorageBuffers },
 		{ "texel buffers and sampled images", texel + sampled,
 		  limits->maxPerStageDescriptorSampledImages },
-		{ "storage images", count_kind(pass, GW_BIND_STORAGE_IMAGE),
+		{ "storage images and texel buffers that are written",
+		  count_kind(pass, GW_BIND_STORAGE_IMAGE) + count_kind(pass, GW_BIND_TEXEL_WRITTEN),
 		  limits->maxPerStageDescriptorStorageImages },
 		{ "resources", pass->binding_count, limits->maxPerStageResources },
 		{ "bytes of push constants", pass->push_bytes, limits->maxPushConstantsSize },
@@ -356,6 +359,7 @@ static void write_descriptors(gw_gpu *gpu, const gw_pass *pass, const gw_binding
 			buffer[i] = window_of(bindings[i], slice);
 			break;
 		case GW_BIND_TEXEL:
+		case GW_BIND_TEXEL_WRITTEN:
 			write[i].pTexelBufferView = &bindings[i].buffer->view;
 			break;
 		case GW_BIND_STORAGE_IMAGE:
@@ -428,7 +432,7 @@ static gw_status check_bindings(const gw_gpu *gpu, const gw_pass *pass, const gw
 			pass->kind[i] == GW_BIND_STORAGE_IMAGE || pass->kind[i] == GW_BIND_SAMPLED_IMAGE
 				? binding->image != NULL && binding->image->handle != VK_NULL_HANDLE
 				: binding->buffer != NULL && binding->buffer->handle != VK_NULL_HANDLE;
-		if (there && pass->kind[i] == GW_BIND_TEXEL)
+		if (there && (pass->kind[i] == GW_BIND_TEXEL || pass->kind[i] == GW_BIND_TEXEL_WRITTEN))
 			there = binding->buffer->view != VK_NULL_HANDLE;
 		if (!there)
 			return gw_fail(error, GW_ERROR_INTERNAL, "pass \"%s\": nothing is bound to binding %u",

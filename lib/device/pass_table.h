@@ -94,8 +94,8 @@ typedef void gw_cpu_kernel(gw_passes *passes, const gw_binding *bindings, const 
 
 typedef struct gw_pass_row {
 	const char *shader;   /* shaders/NAME.comp; the pass's name, too */
-	const char *bindings; /* one letter each: t texel buffer, s storage buffer, i storage image,
-							 m sampled image */
+	const char *bindings; /* one letter each: t texel buffer, w one that is written, s storage
+							 buffer, i storage image, m sampled image */
 	uint32_t push_bytes;
 	uint32_t loop_bound; /* iterations of one invocation, at most; 0 when small */
 

@@ -84,6 +84,8 @@ static gw_binding_kind binding_kind(char letter)
 	switch (letter) {
 	case 't':
 		return GW_BIND_TEXEL;
+	case 'w':
+		return GW_BIND_TEXEL_WRITTEN;
 	case 'i':
 		return GW_BIND_STORAGE_IMAGE;
 	case 'm':

@@ -35,32 +35,35 @@ uint32_t gw_octree_auto_depth(const gw_surfels *surfels)
 	return depth_of(extent_of(surfels) / ((double)GW_LEAF_SPACING * (double)surfels->spacing));
 }
 
-/* The most fragments whose list can be bound as a whole. */
-static uint64_t most_fragments(gw_gpu *gpu)
+/* Passes of the octree write lists as texels; a shader that sorts binds them as storage, which some
+ * devices have less room for. */
+uint64_t gw_octree_most_fragments(gw_gpu *gpu)
 {
 	const VkPhysicalDeviceLimits *limits = gw_gpu_limits(gpu);
-	uint64_t most = limits->maxStorageBufferRange / 4;
-	most = most < limits->maxTexelBufferElements ? most : limits->maxTexelBufferElements;
+	const gw_passes passes = { .gpu = gpu };
+	uint64_t most = limits->maxTexelBufferElements, bound = limits->maxStorageBufferRange / 4;
+	if (gw_passes_way(&passes, GW_PASS_RADIX_SCATTER) == GW_WAY_DEVICE && bound < most)
+		most = bound;
 	return most < UINT32_MAX - 1 ? most : UINT32_MAX - 1;
 }
 
 static bool fragments_fit(const gw_octree_work *work, uint64_t fragments)
 {
-	return fragments <= most_fragments(work->gpu);
+	return fragments <= gw_octree_most_fragments(work->gpu);
 }
 
 /* There are too many fragments: says so, and at which depth there aren't, where nobody tries. */
 static gw_status fail_fragments(gw_octree_work *work, uint64_t fragments, gw_error *error)
 {
 	uint32_t depth = work->octree->depth, fitting = depth;
-	uint64_t fewer = fragments;
+	uint64_t fewer = fragments, most = 4 * gw_octree_most_fragments(work->gpu);
+	const char *device = gw_gpu_device(work->gpu)->name;
 	if (work->too_many) {
 		*work->too_many = fragments;
 		return gw_fail(error, GW_ERROR_MEMORY,
 					   "an octree of depth %u needs a list of %llu bytes, but \"%s\" binds at most "
-					   "%u",
-					   depth, 4 * (unsigned long long)fragments, gw_gpu_device(work->gpu)->name,
-					   gw_gpu_limits(work->gpu)->maxStorageBufferRange);
+					   "%llu",
+					   depth, 4 * (unsigned long long)fragments, device, (unsigned long long)most);
 	}
 	while (--fitting > 0) {
 		gw_octree_forget_upload(work);
@@ -69,15 +72,15 @@ static gw_status fail_fragments(gw_octree_work *work, uint64_t fragments, gw_err
 		if (fragments_fit(work, fewer))
 			return gw_fail(error, GW_ERROR_MEMORY,
 						   "an octree of depth %u needs a list of %llu bytes, but \"%s\" binds at "
-						   "most %u: use a depth of %u or fewer points",
-						   depth, 4 * (unsigned long long)fragments, gw_gpu_device(work->gpu)->name,
-						   gw_gpu_limits(work->gpu)->maxStorageBufferRange, fitting);
+						   "most %llu: use a depth of %u or fewer points",
+						   depth, 4 * (unsigned long long)fragments, device,
+						   (unsigned long long)most, fitting);
 	}
-	return gw_fail(error, GW_ERROR_MEMORY,
-				   "an octree of depth %u needs a list of %llu bytes, but \"%s\" binds at most %u: "
-				   "use fewer points; no depth is small enough",
-				   depth, 4 * (unsigned long long)fragments, gw_gpu_device(work->gpu)->name,
-				   gw_gpu_limits(work->gpu)->maxStorageBufferRange);
+	return gw_fail(
+		error, GW_ERROR_MEMORY,
+		"an octree of depth %u needs a list of %llu bytes, but \"%s\" binds at most %llu: "
+		"use fewer points; no depth is small enough",
+		depth, 4 * (unsigned long long)fragments, device, (unsigned long long)most);
 }
 
 /* Fragments of work's some surfels; where those are all, keys become leaves at once. */
@@ -136,11 +139,10 @@ static void destroy_work(gw_octree_work *work)
 {
 	gw_gpu *gpu = work->gpu;
 	gw_buffer *buffer[] = {
-		&work->surfel_albedo,  &work->surfel_bend,    &work->surfel_emission,
-		&work->surfel_offset,  &work->surfel_samples, &work->column_note,
-		&work->fragment_place, &work->marks,          &work->fragment_centroid,
-		&work->first,          &work->seed,           &work->ray_mark,
-		&work->distance,
+		&work->surfel_albedo,     &work->surfel_bend, &work->surfel_emission, &work->surfel_offset,
+		&work->surfel_samples,    &work->column_note, &work->fragment_place,  &work->marks,
+		&work->fragment_centroid, &work->no_weight,   &work->first,           &work->seed,
+		&work->ray_mark,          &work->distance,
 	};
 	for (size_t i = 0; i < sizeof buffer / sizeof *buffer; i++)
 		gw_buffer_destroy(gpu, buffer[i]);
@@ -208,7 +210,7 @@ static void note_coarser(double leaf_size, const gw_error *reason, float *wanted
 static double widening(gw_gpu *gpu, uint64_t too_many)
 {
 	double width = M_SQRT2;
-	for (uint64_t least = too_many / 2; least > most_fragments(gpu); least /= 2)
+	for (uint64_t least = too_many / 2; least > gw_octree_most_fragments(gpu); least /= 2)
 		width *= M_SQRT2;
 	return width;
 }
@@ -218,7 +220,7 @@ gw_status gw_octree_without_tree(gw_gpu *gpu, const gw_octree_task *task, gw_oct
 {
 	const gw_surfels *surfels = task->surfels;
 	bool given = task->depth != GW_DEPTH_AUTO;
-	double width = given ? 0.0 : (double)task->leaf_spacing * (double)surfels->spacing;
+	double width = given ? 0.0 : (double)task->leaf_spacing * (double)task->surfels->spacing;
 	gw_octree_work work = { .gpu = gpu, .surfels = surfels, .octree = octree, .leaf_size = width };
 	memset(octree, 0, sizeof *octree);
 	uint32_t depth = given ? task->depth : depth_of(extent_of(surfels) / width);
@@ -269,7 +271,7 @@ gw_status gw_octree_build_task(gw_gpu *gpu, const gw_octree_task *task, gw_octre
 		return fail_count(surfels, error);
 	if (task->depth != GW_DEPTH_AUTO)
 		return build_once(&start, task->depth, error);
-	start.leaf_size = (double)task->leaf_spacing * (double)surfels->spacing;
+	start.leaf_size = (double)task->leaf_spacing * (double)task->surfels->spacing;
 	return build_spaced(&start, error);
 }
 
@@ -289,15 +291,14 @@ static gw_status build_again(gw_octree_work *start, gw_error *error)
 	return build_once(start, start->kept->depth, error);
 }
 
-static gw_status build_first(gw_octree_work *start, uint32_t depth, float leaf_spacing,
-							 gw_error *error)
+static gw_status build_first(gw_octree_work *start, const gw_octree_task *task, gw_error *error)
 {
 	const gw_surfels *surfels = start->surfels;
 	gw_octree_kept *kept = start->kept;
-	bool given = depth != GW_DEPTH_AUTO;
-	kept->leaf_size = given ? 0 : (double)leaf_spacing * (double)surfels->spacing;
+	bool given = task->depth != GW_DEPTH_AUTO;
+	kept->leaf_size = given ? 0 : (double)task->leaf_spacing * (double)task->surfels->spacing;
 	for (;;) {
-		kept->depth = given ? depth : depth_of(extent_of(surfels) / kept->leaf_size);
+		kept->depth = given ? task->depth : depth_of(extent_of(surfels) / kept->leaf_size);
 		gw_status status = build_again(start, error);
 		if (status != GW_ERROR_MEMORY || given || kept->depth == 1)
 			return status;
@@ -329,8 +330,7 @@ gw_status gw_octree_build_kept(gw_gpu *gpu, const gw_octree_task *task, gw_octre
 	uint64_t too_many = 0;
 	if (first && task->depth == GW_DEPTH_AUTO)
 		start.too_many = &too_many;
-	gw_status status = first ? build_first(&start, task->depth, task->leaf_spacing, error)
-							 : build_again(&start, error);
+	gw_status status = first ? build_first(&start, task, error) : build_again(&start, error);
 	if (status == GW_OK) {
 		octree->wanted_leaf_size = (*kept)->wanted_leaf_size;
 		memcpy(octree->why_coarser, (*kept)->why_coarser, sizeof octree->why_coarser);

@@ -211,14 +211,11 @@ gw_status gw_octree_upload_lit(gw_octree_work *work, uint32_t depth, gw_error *e
 
 void gw_octree_forget_upload(gw_octree_work *work)
 {
-	gw_buffer *buffer[] = { &work->octree->surfel_position,
-							&work->octree->surfel_normal,
-							&work->octree->surfel_disc,
-							&work->octree->surfel_clip,
-							&work->surfel_bend,
-							&work->surfel_offset,
-							&work->surfel_samples,
-							&work->column_note };
+	gw_buffer *buffer[] = {
+		&work->octree->surfel_position, &work->octree->surfel_normal, &work->octree->surfel_disc,
+		&work->octree->surfel_clip,     &work->surfel_bend,           &work->surfel_offset,
+		&work->surfel_samples,          &work->column_note,           &work->no_weight
+	};
 	for (size_t i = 0; i < sizeof buffer / sizeof *buffer; i++)
 		gw_buffer_destroy(work->gpu, buffer[i]);
 }
@@ -248,15 +245,14 @@ static gw_status run_fragments(gw_octree_work *work, uint32_t emit, gw_error *er
 		GW_WHOLE(&work->surfel_bend),
 		GW_WINDOW(&work->surfel_offset, 4),
 		GW_WINDOW(&work->surfel_samples, 4),
+		GW_WHOLE(rest ? &work->fragment_place : stand_in),
 		GW_WHOLE(keys   ? &work->keys.low
-				 : rest ? &work->fragment_place
+				 : rest ? &octree->fragment_surfel
 						: stand_in),
 		GW_WHOLE(keys && wide ? &work->keys.high
-				 : keys       ? &work->keys.low
+				 : rest       ? &work->fragment_centroid
 							  : stand_in),
-		GW_WHOLE(rest ? &octree->fragment_surfel : stand_in),
-		GW_WHOLE(rest ? &octree->fragment_weight : stand_in),
-		GW_WHOLE(rest ? &work->fragment_centroid : stand_in),
+		GW_WHOLE(rest ? &octree->fragment_weight : &work->no_weight),
 		rest ? GW_WHOLE(stand_in) : GW_WINDOW(&work->column_note, 4 * GW_COLUMN_WORDS),
 	};
 	return gw_passes_run(&work->passes, GW_PASS_OCTREE_FRAGMENTS, bindings, &push, work->some,
@@ -272,6 +268,9 @@ gw_status gw_octree_count_fragments(gw_octree_work *work, uint64_t *total, gw_er
 								  &work->surfel_samples, error));
 	GW_TRY(gw_octree_buffer_unset(work, VK_FORMAT_R32_UINT, GW_COLUMN_WORDS * bytes,
 								  "what discs meet", &work->column_note, error));
+	if (work->no_weight.handle == VK_NULL_HANDLE)
+		GW_TRY(
+			gw_octree_buffer(work, VK_FORMAT_R32_SFLOAT, 4, "no weight", &work->no_weight, error));
 	GW_TRY(run_fragments(work, GW_EMIT_COUNTS, error));
 	return gw_prefix_sum_run(&work->passes, &work->sort.prefix, &work->surfel_offset, work->some,
 							 total, error);

@@ -113,15 +113,15 @@ static gw_status upload(gw_octree_work *work, const gw_fragment_list *list, gw_e
 														 "weights of fragments",
 														 "centroids of fragments" };
 	gw_buffer *buffer[GW_FRAGMENT_WORDS];
-	uint64_t bytes = 4 * (uint64_t)list->count;
+	uint64_t bytes = 4 * (uint64_t)list->count, most = gw_octree_most_fragments(work->gpu);
 	find_buffers(work, buffer);
-	if (bytes > gw_gpu_limits(work->gpu)->maxStorageBufferRange ||
-		list->count > gw_gpu_limits(work->gpu)->maxTexelBufferElements)
-		return gw_fail(error, GW_ERROR_MEMORY,
-					   "a frame's octree needs a list of %llu bytes, but \"%s\" binds at most %u: "
-					   "use a larger leaf spacing, a smaller depth or fewer points",
-					   (unsigned long long)bytes, gw_gpu_device(work->gpu)->name,
-					   gw_gpu_limits(work->gpu)->maxStorageBufferRange);
+	if (list->count > most)
+		return gw_fail(
+			error, GW_ERROR_MEMORY,
+			"a frame's octree needs a list of %llu bytes, but \"%s\" binds at most %llu: "
+			"use a larger leaf spacing, a smaller depth or fewer points",
+			(unsigned long long)bytes, gw_gpu_device(work->gpu)->name,
+			4 * (unsigned long long)most);
 	work->keys = (gw_sort_list){ .count = list->count, .wide = gw_octree_is_wide(work) };
 	work->octree->fragment_count = list->count;
 	for (size_t w = 0; w < GW_FRAGMENT_WORDS; w++) {

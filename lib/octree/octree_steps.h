@@ -64,6 +64,7 @@ typedef struct gw_octree_work {
 	gw_sort_list keys;
 	gw_buffer fragment_place;    /* where the keys of fragments went, in the order of surfels */
 	gw_buffer fragment_centroid; /* R32_UINT: three times 10 bits, place in the leaf */
+	gw_buffer no_weight;         /* R32_SFLOAT, one: stands in where no weights are written */
 
 	/* Keys, R32G32_UINT, by level of the cells. At level depth, cells are leaves. */
 	gw_buffer real[GW_DEPTH_MAX + 1]; /* cells that hold leaves, or are some */
@@ -117,6 +118,9 @@ gw_status gw_octree_upload_lit(gw_octree_work *work, uint32_t depth, gw_error *e
 
 /* Frees what gw_octree_upload and gw_octree_count_fragments made. */
 void gw_octree_forget_upload(gw_octree_work *work);
+
+/* The most fragments whose lists a device takes. */
+uint64_t gw_octree_most_fragments(gw_gpu *gpu);
 
 /* Counts the fragments of each of work's some surfels; *total may be 2^32 or more. */
 gw_status gw_octree_count_fragments(gw_octree_work *work, uint64_t *total, gw_error *error);

@@ -31,12 +31,12 @@ layout(binding = 3) uniform samplerBuffer surfel_clip; /* first clip distance, s
 layout(binding = 4) uniform samplerBuffer surfel_bend;
 layout(binding = 5) buffer Offsets { uint offset[]; }; /* count, then first fragment; windowed */
 layout(binding = 6) buffer Samples { uint samples[]; }; /* of the disc, that count; windowed */
-layout(binding = 7) buffer KeysLow { uint key_low[]; }; /* GW_EMIT_REST: where each key went */
-layout(binding = 8) writeonly buffer KeysHigh { uint key_high[]; };
-layout(binding = 9) writeonly buffer Surfels { uint fragment_surfel[]; };
-layout(binding = 10) writeonly buffer Weights { float fragment_weight[]; };
-layout(binding = 11) writeonly buffer Centroids { uint fragment_centroid[]; };
-layout(binding = 12) buffer Notes { uint column_note[]; }; /* GW_COLUMN_WORDS a surfel; windowed */
+layout(binding = 7) uniform usamplerBuffer fragment_place; /* GW_EMIT_REST: where each key went */
+/* GW_EMIT_KEYS: low and high words; GW_EMIT_REST: surfels and centroids */
+layout(binding = 8, r32ui) writeonly uniform uimageBuffer low_or_surfel;
+layout(binding = 9, r32ui) writeonly uniform uimageBuffer high_or_centroid;
+layout(binding = 10, r32f) writeonly uniform imageBuffer fragment_weight; /* GW_EMIT_REST */
+layout(binding = 11) buffer Notes { uint column_note[]; }; /* GW_COLUMN_WORDS a surfel; windowed */
 
 layout(push_constant) uniform Push { gw_fragments_push push; };
 
@@ -59,17 +59,17 @@ uint place_to_write;
 void add_fragment(ivec3 cell, uint kind, float weight, vec3 middle)
 {
 	if (push.emit == GW_EMIT_KEYS) {
-		uint at = place_to_write + fragments;
+		int at = int(place_to_write + fragments);
 		uvec2 key = morton_encode(uvec3(cell));
-		key_low[at] = key.x;
+		imageStore(low_or_surfel, at, uvec4(key.x));
 		if (push.wide != 0u)
-			key_high[at] = key.y;
+			imageStore(high_or_centroid, at, uvec4(key.y));
 	} else if (push.emit == GW_EMIT_REST) {
-		uint at = key_low[place_to_write + fragments];
-		fragment_surfel[at] = surfel | kind;
-		fragment_weight[at] = weight;
+		int at = int(texelFetch(fragment_place, int(place_to_write + fragments)).x);
+		imageStore(low_or_surfel, at, uvec4(surfel | kind));
+		imageStore(fragment_weight, at, vec4(weight));
 		uvec3 c = uvec3(clamp(middle, vec3(0.0), vec3(1.0)) * 1023.0 + 0.5);
-		fragment_centroid[at] = c.x | c.y << 10 | c.z << 20;
+		imageStore(high_or_centroid, at, uvec4(c.x | c.y << 10 | c.z << 20));
 	}
 	fragments++;
 }

@@ -10,7 +10,7 @@ layout(local_size_x_id = 0) in;
 
 /* The index is windowed. */
 layout(binding = 0) readonly buffer Index { uint index[]; };
-layout(binding = 1) writeonly buffer Places { uint place[]; };
+layout(binding = 1, r32ui) writeonly uniform uimageBuffer place;
 
 layout(push_constant) uniform Push { gw_keys_push push; };
 
@@ -18,5 +18,5 @@ void main()
 {
 	uint local = gl_GlobalInvocationID.x;
 	if (local < push.count)
-		place[index[local]] = push.first + local;
+		imageStore(place, int(index[local]), uvec4(push.first + local));
 }

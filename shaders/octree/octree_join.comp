@@ -14,7 +14,7 @@ layout(local_size_x_id = 0) in;
 
 layout(binding = 0) uniform usamplerBuffer leaf_fragment;
 layout(binding = 1) uniform samplerBuffer surfel_normal;
-layout(binding = 2) buffer Fragments { uint fragment_surfel[]; };
+layout(binding = 2, r32ui) uniform uimageBuffer fragment_surfel;
 layout(binding = 3) buffer Seeds { uvec4 seed[]; }; /* windowed, as in octree_seed.comp */
 
 layout(push_constant) uniform Push { gw_leaves_push push; };
@@ -30,11 +30,11 @@ void main()
 	if (begin >= end || start.x == 0u)
 		return;
 	end = min(end, begin + GW_REDUCE_RUN);
-	int seed_surfel = int(fragment_surfel[start.x - 1u] & GW_FRAGMENT_SURFEL);
+	int seed_surfel = int(imageLoad(fragment_surfel, int(start.x - 1u)).x & GW_FRAGMENT_SURFEL);
 	vec4 seed_normal = texelFetch(surfel_normal, seed_surfel);
 	bool seed_foliage = seed_normal.w == GW_MARK_FOLIAGE;
 	for (uint i = begin; i < end; i++) {
-		uint word = fragment_surfel[i];
+		uint word = imageLoad(fragment_surfel, int(i)).x;
 		if ((word & GW_FRAGMENT_ROI) != 0u)
 			continue;
 		vec4 normal = texelFetch(surfel_normal, int(word & GW_FRAGMENT_SURFEL));
@@ -44,7 +44,7 @@ void main()
 			second = foliage != seed_foliage;
 		if (!second)
 			continue;
-		fragment_surfel[i] = word | GW_FRAGMENT_FACET;
+		imageStore(fragment_surfel, int(i), uvec4(word | GW_FRAGMENT_FACET));
 		if (start.z == 0u)
 			start.z = i + 1u;
 	}

@@ -11,7 +11,7 @@ layout(local_size_x_id = 0) in;
 layout(binding = 0) uniform usamplerBuffer tiles;  /* keys of the leaf tiles' parent cells */
 layout(binding = 1) uniform usamplerBuffer leaves; /* keys */
 layout(binding = 2) writeonly buffer LeafTiles { uvec2 leaf_tile[]; }; /* windowed */
-layout(binding = 3) writeonly buffer LeafCells { uvec4 leaf_cell[]; };
+layout(binding = 3, rgba32ui) writeonly uniform uimageBuffer leaf_cell;
 
 layout(push_constant) uniform Push { gw_leaves_push push; };
 
@@ -28,7 +28,7 @@ void main()
 		if (key_parent(key) != parent)
 			break;
 		bits |= 1u << (key.x & 7u);
-		leaf_cell[leaf] = uvec4(morton_decode(key), tile);
+		imageStore(leaf_cell, int(leaf), uvec4(morton_decode(key), tile));
 	}
 	/* octree_finish.comp says which leaves are not filled; first facets come when these have
 	 * numbers. */

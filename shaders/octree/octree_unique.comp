@@ -7,14 +7,15 @@
 #include "octree/octree_keys.glsl"
 
 layout(binding = 2) readonly buffer Places { uint place[]; }; /* sums of marks; windowed */
-layout(binding = 3) writeonly buffer KeysOut { uvec2 key_out[]; };
-layout(binding = 4) writeonly buffer First { uint first_out[]; };
+layout(binding = 3, rg32ui) writeonly uniform uimageBuffer key_out;
+layout(binding = 4, r32ui) writeonly uniform uimageBuffer first_out;
 
 void main()
 {
 	uint local = gl_GlobalInvocationID.x, i = push.first + local;
 	if (local >= push.count || !begins(i))
 		return;
-	key_out[place[local]] = read_key(i);
-	first_out[place[local]] = i;
+	int at = int(place[local]);
+	imageStore(key_out, at, uvec4(read_key(i), 0u, 0u));
+	imageStore(first_out, at, uvec4(i));
 }

@@ -1081,6 +1081,30 @@ static void test_repeatable(void **state)
 	gw_surfels_clear(&s);
 }
 
+/* Lists that are larger than what the device binds as storage are written as texels; what is sorted
+ * then is the processor's. */
+static void test_lists_beyond_storage(void **state)
+{
+	(void)state;
+	gw_gpu *gpu = open_gpu(validated);
+	gw_error error = { 0 };
+	gw_surfels s;
+	gw_octree whole, written;
+	make_scattered(20000, 4, 0.02f, &s);
+	assert_ok(gw_octree_build(gpu, &s, 7, &whole, &error), &error);
+	uint64_t range = gpu->storage_range;
+	gpu->storage_range = 4 << 3 * 6; /* what the directory of level 6 takes, whatever the points */
+	assert_true(4 * (uint64_t)whole.fragment_count > gpu->storage_range);
+	assert_true(16 * (uint64_t)whole.leaf_count > gpu->storage_range);
+	assert_ok(gw_octree_build(gpu, &s, 7, &written, &error), &error);
+	gpu->storage_range = range;
+	compare_buffers(gpu, &whole, gpu, &written);
+	gw_octree_destroy(gpu, &whole);
+	gw_octree_destroy(gpu, &written);
+	gw_surfels_clear(&s);
+	close_gpu(gpu);
+}
+
 /* Points that are hard: one alone, tiny and huge discs and regions. */
 static void test_odd_surfels(void **state)
 {
@@ -1120,7 +1144,7 @@ static void test_odd_surfels(void **state)
 static void test_refusals(void **state)
 {
 	(void)state;
-	gw_gpu *gpu = open_gpu((gw_gpu_options){ 0 });
+	gw_gpu *gpu = open_gpu_of_shaders((gw_gpu_options){ 0 });
 	gw_error error = { 0 };
 	gw_surfels s, none = { 0 };
 	gw_octree octree;
@@ -1152,7 +1176,7 @@ static void test_refusals(void **state)
 static void test_wider_leaves(void **state)
 {
 	(void)state;
-	gw_gpu *gpu = open_gpu((gw_gpu_options){ 0 });
+	gw_gpu *gpu = open_gpu_of_shaders((gw_gpu_options){ 0 });
 	gw_error error = { 0 };
 	gw_surfels s;
 	gw_octree octree;
@@ -1224,6 +1248,7 @@ int main(void)
 		cmocka_unit_test(test_without_regions),
 		cmocka_unit_test(test_numbers),
 		cmocka_unit_test(test_repeatable),
+		cmocka_unit_test(test_lists_beyond_storage),
 		cmocka_unit_test(test_odd_surfels),
 		cmocka_unit_test(test_refusals),
 		cmocka_unit_test(test_wider_leaves),
