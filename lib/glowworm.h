@@ -336,7 +336,11 @@ typedef enum gw_effect_kind {
 
 #define GW_DEPTH_AUTO 0u
 #define GW_DEPTH_MAX 16u
+/* Width of leaves in spacings of the points, of clouds of up to 250,000. Of n points it is that
+ * times the fourth root of n over 250,000: leaves are as many as the root of the points, so that
+ * they get finer with the points, but the octree grows less than these. */
 #define GW_LEAF_SPACING 1.25f
+#define GW_LEAF_SPACING_AUTO 0.0f
 #define GW_BOUNCES_AUTO UINT32_MAX
 
 /*
@@ -396,7 +400,8 @@ typedef struct gw_bake_options {
 	uint32_t depth;         /* of the octree: 2^depth leaf cells a side; GW_DEPTH_AUTO derives it
 							   from leaf_spacing */
 	float leaf_spacing;     /* width of a leaf in spacings of the points, 0.25..64, when depth is
-							   GW_DEPTH_AUTO; wider where memory is short */
+							   GW_DEPTH_AUTO; wider where memory is short. GW_LEAF_SPACING_AUTO: as
+							   GW_LEAF_SPACING says; with GW_METHOD_CONES or voxels it itself */
 	uint32_t bounces;       /* how often light is reflected; 0 leaves only emission, 1 is direct
 							   light; GW_BOUNCES_AUTO stops when the bound on what the bounces left
 							   out would add is under tolerance */

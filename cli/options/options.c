@@ -635,9 +635,11 @@ const option options[] = {
 	  .group = "Light",
 	  .help = "of the octree, 2^N cells a side; auto follows the spacing of the points" },
 	{ "leaf-spacing", 0, "X", OPTION_REAL, FOR(BAKE | PLAN | RENDER | ALBEDO | PROBES),
-	  .scene = true, AT(bake.leaf_spacing), RANGE(0.25, 64.0), .group = "Light",
+	  .scene = true, AT(bake.leaf_spacing), RANGE(0.25, 64.0), AUTOMATIC(GW_LEAF_SPACING_AUTO),
+	  .group = "Light",
 	  .help = "width of the octree's cells in spacings of the points, for --depth auto; narrower "
-			  "ones see finer shapes and need more memory" },
+			  "ones see finer shapes and need more memory. auto is 1.25, and for rays wider by the "
+			  "fourth root of how many times more than 250,000 points there are" },
 	{ "bounces", 'b', "N", OPTION_COUNT, FOR(BAKE | PLAN | TRADEOFF | ALBEDO | PROBES),
 	  .scene = true, AT(bake.bounces), RANGE(0.0, 10000.0), AUTOMATIC(GW_BOUNCES_AUTO),
 	  .group = "Light",

@@ -375,7 +375,7 @@ static gw_status check_room_beside(const bake *b)
 	const settings *s = b->settings;
 	uint64_t count = b->scene.cloud.count, grid_bytes = s->vdb_points ? GRID_POINT_BYTES : 0;
 	bool usual = s->bake.depth == GW_DEPTH_AUTO && s->vdb_voxel <= 0.0f && !s->vdb_half &&
-				 s->bake.leaf_spacing <= gw_bake_options_default().leaf_spacing;
+				 s->bake.leaf_spacing <= GW_LEAF_SPACING;
 	if (s->save_transport)
 		GW_TRY(output_file_check_room(s->save_transport, TRANSPORT_BYTES * count, b->error));
 	grid_bytes += usual ? GRID_BYTES : 0;

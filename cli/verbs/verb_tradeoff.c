@@ -115,9 +115,12 @@ static void print_csv(const tradeoff *t, FILE *out)
 		const gw_bake_options *o = &run->bake;
 		if (run->status != GW_OK)
 			continue;
-		fprintf(out, "\"%s\",%s,%g,%g,%u,%u,%u,", run->name, run->options,
-				(double)o->record_spacing, (double)o->leaf_spacing, o->rays, o->light_samples,
-				o->cones);
+		fprintf(out, "\"%s\",%s,%g,", run->name, run->options, (double)o->record_spacing);
+		if (o->leaf_spacing == GW_LEAF_SPACING_AUTO)
+			fputs("auto,", out);
+		else
+			fprintf(out, "%g,", (double)o->leaf_spacing);
+		fprintf(out, "%u,%u,%u,", o->rays, o->light_samples, o->cones);
 		if (i == 0)
 			fputs(",,,", out);
 		else

@@ -475,7 +475,7 @@ static void book_round(bake *b, double seconds, const char *why)
 	const gw_bake_options *o = &b->scene.options;
 	gw_round *round = &b->report->round[b->report->round_count++];
 	*round = (gw_round){ .record_spacing = b->report->record_spacing,
-						 .leaf_spacing = o->leaf_spacing,
+						 .leaf_spacing = gw_scene_leaf_spacing(&b->scene),
 						 .rays = o->rays,
 						 .light_samples = o->light_samples,
 						 .cones = o->cones,
@@ -486,9 +486,9 @@ static void book_round(bake *b, double seconds, const char *why)
 }
 
 /* Solves again; surfels stay, and the octree when its leaves do. */
-static gw_status run_round(bake *b, const gw_bake_options *next, const char *why, gw_error *error)
+static gw_status run_round(bake *b, const gw_bake_options *next, bool keep, const char *why,
+						   gw_error *error)
 {
-	bool keep = next->leaf_spacing == b->scene.options.leaf_spacing;
 	b->scene.callbacks.planned = NULL; /* told already */
 	double start = gw_seconds();
 	b->scene.options = *next;
@@ -510,16 +510,17 @@ static gw_status run_round(bake *b, const gw_bake_options *next, const char *why
 static gw_status go_back(bake *b, const gw_bake_options *last, bool same_octree, gw_error *error)
 {
 	b->report->goal = GW_GOAL_MEMORY;
-	if (!same_octree)
-		b->scene.options.leaf_spacing = 0.0f; /* whatever octree there is goes */
-	return run_round(b, last, "finer settings found no memory", error);
+	return run_round(b, last, same_octree, "finer settings found no memory", error);
 }
 
 static gw_status refine_settings(bake *b, const gw_bake_options *next, const char *why,
 								 gw_error *error)
 {
-	gw_bake_options last = b->scene.options;
-	gw_status status = run_round(b, next, why, error);
+	gw_bake_options last = b->scene.options, asked = *next;
+	bool keep = next->leaf_spacing == gw_scene_leaf_spacing(&b->scene);
+	if (keep)
+		asked.leaf_spacing = last.leaf_spacing;
+	gw_status status = run_round(b, &asked, keep, why, error);
 	return status == GW_ERROR_MEMORY ? go_back(b, &last, false, error) : status;
 }
 
@@ -528,6 +529,7 @@ static gw_bake_options as_even(const bake *b)
 {
 	gw_bake_options even = b->scene.options;
 	const gw_report *r = b->report;
+	even.leaf_spacing = gw_scene_leaf_spacing(&b->scene);
 	even.record_spacing = r->record_spacing;
 	if (r->round_count > 1 && b->scene.density.facet_spacing && r->records > 0)
 		even.record_spacing *=
@@ -548,6 +550,7 @@ static gw_status refine_records(bake *b, const gw_density_wish *wish, const char
 	}
 	gw_lighting_drop_gathered(&b->light);
 	status = run_steps(b, RECORDS_STEP, AFTER_ROUND, error);
+	even.leaf_spacing = b->scene.options.leaf_spacing;
 	if (status == GW_ERROR_MEMORY)
 		return go_back(b, &even, true, error);
 	b->whole_seconds += gw_seconds() - start;

@@ -36,13 +36,18 @@
 #define SLACK 0.05
 #define GROWTH_BYTES 2.0
 
+static bool leaves_are_usual(const gw_bake_options *o)
+{
+	return o->leaf_spacing == GW_LEAF_SPACING_AUTO || o->leaf_spacing >= GW_LEAF_SPACING;
+}
+
 bool gw_bake_memory_is_known(const gw_bake_options *o)
 {
 	const gw_bake_options usual = gw_bake_options_default();
 	return o->method == GW_METHOD_RAYS && o->rays <= usual.rays &&
 		   o->light_samples <= usual.light_samples && o->least_records <= usual.least_records &&
 		   o->most_records > 0 && o->most_records <= usual.most_records &&
-		   o->record_spacing > 0.0f && o->leaf_spacing >= usual.leaf_spacing &&
+		   o->record_spacing > 0.0f && leaves_are_usual(o) &&
 		   o->estimate_points <= usual.estimate_points && o->depth == usual.depth &&
 		   !(o->max_error > 0.0f) && !(o->time_limit > 0.0f) && !o->transport && !o->region &&
 		   !o->lamps && !o->voxels && !o->volume;

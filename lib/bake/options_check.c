@@ -189,7 +189,8 @@ gw_status gw_options_check(const gw_bake_options *o, const gw_scene_description 
 		double value, low, high;
 	} rows[] = {
 		{ "depth", o->depth == GW_DEPTH_AUTO ? 1 : o->depth, 1, GW_DEPTH_MAX },
-		{ "leaf spacing", (double)o->leaf_spacing, 0.25, 64 },
+		{ "leaf spacing", o->leaf_spacing == GW_LEAF_SPACING_AUTO ? 1.0 : (double)o->leaf_spacing,
+		  0.25, 64 },
 		{ "tolerance", (double)o->tolerance, 1e-6, 0.999 },
 		{ "rays", o->rays, 1, 4096 },
 		{ "light samples", o->light_samples, 1, 4096 },

@@ -193,6 +193,9 @@ void gw_scene_report_space(const gw_scene *scene);
 /* Writes what was repaired into a report. */
 void gw_report_surfels(gw_report *report, const gw_surfels *surfels, const gw_points *points);
 
+/* Width of leaves in spacings of the surfels, where these are made and no depth is asked for. */
+float gw_scene_leaf_spacing(const gw_scene *scene);
+
 gw_status gw_scene_build_octree(gw_scene *scene, gw_error *error);
 
 /* Instead: surfels on the device without a tree, for lamps that nothing hides. */

@@ -197,6 +197,9 @@ gw_disc_shape gw_octree_disc_shape(const gw_octree *octree);
 /* The depth that GW_DEPTH_AUTO gives when memory suffices. */
 uint32_t gw_octree_auto_depth(const gw_surfels *surfels);
 
+/* What GW_LEAF_SPACING_AUTO stands for; any other width is asked for. */
+float gw_octree_leaf_spacing(float asked, size_t surfels, bool regions);
+
 /* An octree to be built. */
 typedef struct gw_octree_task {
 	const gw_surfels *surfels;
@@ -204,7 +207,7 @@ typedef struct gw_octree_task {
 	 * leaf_spacing says, or as much wider as memory and the device's limits ask for, and then the
 	 * octree says so */
 	uint32_t depth;
-	/* of GW_DEPTH_AUTO: the width, in surfels->spacing */
+	/* of GW_DEPTH_AUTO: the width, in surfels->spacing; or GW_LEAF_SPACING_AUTO */
 	float leaf_spacing;
 	/* regions of influence make leaves, too, and these have their geometry: for voxels and cones.
 	 * Rays meet discs alone, and do without these leaves, which are a sixth of all in a smooth

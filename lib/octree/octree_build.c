@@ -30,9 +30,28 @@ static uint32_t depth_of(double cells)
 	return GW_DEPTH_MAX;
 }
 
+/* Points of the largest cloud whose leaves are as narrow as they may be. */
+#define NARROW_POINTS 250000.0
+
+float gw_octree_leaf_spacing(float asked, size_t surfels, bool regions)
+{
+	if (asked > 0.0f)
+		return asked;
+	double more = regions ? 1.0 : fmax((double)surfels / NARROW_POINTS, 1.0);
+	return GW_LEAF_SPACING * (float)sqrt(sqrt(more));
+}
+
+/* Metres. */
+static double leaf_size_of(const gw_octree_task *task)
+{
+	float spacing = gw_octree_leaf_spacing(task->leaf_spacing, task->surfels->count, task->regions);
+	return (double)spacing * (double)task->surfels->spacing;
+}
+
 uint32_t gw_octree_auto_depth(const gw_surfels *surfels)
 {
-	return depth_of(extent_of(surfels) / ((double)GW_LEAF_SPACING * (double)surfels->spacing));
+	const gw_octree_task task = { .surfels = surfels, .leaf_spacing = GW_LEAF_SPACING_AUTO };
+	return depth_of(extent_of(surfels) / leaf_size_of(&task));
 }
 
 /* Passes of the octree write lists as texels; a shader that sorts binds them as storage, which some
@@ -220,7 +239,7 @@ gw_status gw_octree_without_tree(gw_gpu *gpu, const gw_octree_task *task, gw_oct
 {
 	const gw_surfels *surfels = task->surfels;
 	bool given = task->depth != GW_DEPTH_AUTO;
-	double width = given ? 0.0 : (double)task->leaf_spacing * (double)task->surfels->spacing;
+	double width = given ? 0.0 : leaf_size_of(task);
 	gw_octree_work work = { .gpu = gpu, .surfels = surfels, .octree = octree, .leaf_size = width };
 	memset(octree, 0, sizeof *octree);
 	uint32_t depth = given ? task->depth : depth_of(extent_of(surfels) / width);
@@ -271,7 +290,7 @@ gw_status gw_octree_build_task(gw_gpu *gpu, const gw_octree_task *task, gw_octre
 		return fail_count(surfels, error);
 	if (task->depth != GW_DEPTH_AUTO)
 		return build_once(&start, task->depth, error);
-	start.leaf_size = (double)task->leaf_spacing * (double)task->surfels->spacing;
+	start.leaf_size = leaf_size_of(task);
 	return build_spaced(&start, error);
 }
 
@@ -296,7 +315,7 @@ static gw_status build_first(gw_octree_work *start, const gw_octree_task *task, 
 	const gw_surfels *surfels = start->surfels;
 	gw_octree_kept *kept = start->kept;
 	bool given = task->depth != GW_DEPTH_AUTO;
-	kept->leaf_size = given ? 0 : (double)task->leaf_spacing * (double)task->surfels->spacing;
+	kept->leaf_size = given ? 0 : leaf_size_of(task);
 	for (;;) {
 		kept->depth = given ? task->depth : depth_of(extent_of(surfels) / kept->leaf_size);
 		gw_status status = build_again(start, error);

@@ -80,6 +80,10 @@ static void test_auto_depth(void **state)
 	gw_surfels s = { .spacing = 0.01f, .maximum = { 1, 0.5f, 0.1f } };
 	/* 1 m / 0.0125 m = 80 cells, and two free ones on each side: 64 are too few. */
 	assert_int_equal(gw_octree_auto_depth(&s), 7);
+	/* 16 times as many points as have the narrowest: leaves twice as wide, 40 cells */
+	s.count = 4000000;
+	assert_int_equal(gw_octree_auto_depth(&s), 6);
+	s.count = 0;
 	s.spacing = 0.02f; /* 50 cells */
 	assert_int_equal(gw_octree_auto_depth(&s), 6);
 	s.spacing = 0;
