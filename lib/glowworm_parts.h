@@ -18,6 +18,20 @@ extern "C" {
 #pragma GCC visibility push(default)
 #endif
 
+/*
+ * How many points a bake may begin with so that the process takes no more than so much memory, as
+ * far as can be told of most clouds. Where these take more than most, gw_bake makes the surface of
+ * fewer of them. What the process holds just now is not asked, which is never twice the same: the
+ * points that are kept are to be.
+ *   memory    bytes, of the program and its drivers as well
+ *   normals   whether the points have some
+ *   lamps     whether any point light, spot or sun shines
+ *   options   of the bake: method, normals, leaf_spacing and voxels are looked at
+ * Thread-safe. Returns 0 where there is room for none.
+ */
+uint64_t gw_points_in_memory(uint64_t memory, bool normals, bool lamps,
+							 const gw_bake_options *options);
+
 typedef struct gw_lit_surface gw_lit_surface;
 
 /*

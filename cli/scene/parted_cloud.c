@@ -2,6 +2,7 @@
 #include "scene/parted_cloud.h"
 
 #include "glowworm_host.h"
+#include "glowworm_parts.h"
 #include "options/output_name.h"
 #include "points/scan_bytes.h"
 #include "points/scan_thinning.h"
@@ -13,17 +14,8 @@
 #define PART_MOST ((size_t)1 << 18)
 #define PARTS_WANTED 16u
 
-/* Bytes of a point that is kept, whose surface, octree and records are made, with its columns; more
- * where lamps shine, and where it has no normal; and of the program and its driver: such that
- * gw_bake begins with all that are kept. Where they take more than most clouds do it makes the
- * surface of fewer of them. What the process holds just now is not asked, which is never twice the
- * same: the points that are kept are to be. */
-#define KEPT_BYTES 715u
-#define LAMPS_BYTES 100u
-#define NO_NORMAL_BYTES 480u
-#define FIXED_BYTES (UINT64_C(140) << 20)
-
-/* The same where it cannot: of tiles, and of what a transport is of. */
+/* Bytes of a point that is kept where gw_bake cannot make the surface of fewer: of tiles, and of
+ * what a transport is of; and of the program and its driver. */
 #define LASTING_BYTES 1270u
 #define LASTING_FIXED_BYTES (UINT64_C(264) << 20)
 
@@ -60,26 +52,26 @@ static uint64_t memory_for(const settings *s)
 	return available > 0 ? available / 4 * 3 + gw_resident_memory() : UINT64_MAX;
 }
 
-/* What memory is taken by: at all, and by each point. */
-typedef struct bytes_taken {
-	uint64_t at_all, point;
-} bytes_taken;
-
-static size_t points_for(uint64_t memory, bytes_taken by, uint64_t count)
+static uint64_t lasting_points(uint64_t memory)
 {
-	uint64_t kept = memory > by.at_all ? (memory - by.at_all) / by.point : 0;
-	if (memory == UINT64_MAX || count <= kept)
+	return memory > LASTING_FIXED_BYTES ? (memory - LASTING_FIXED_BYTES) / LASTING_BYTES : 0;
+}
+
+/* 0: all, or too few to mean anything. */
+static size_t kept_of(uint64_t fit, uint64_t memory, uint64_t count)
+{
+	if (memory == UINT64_MAX || count <= fit || fit < PARTED_CLOUD_LEAST)
 		return 0;
-	return kept < PARTED_CLOUD_LEAST ? 0 : (size_t)(kept < KEPT_MOST ? kept : KEPT_MOST);
+	return (size_t)(fit < KEPT_MOST ? fit : KEPT_MOST);
 }
 
 /* Where all points are lit by tiles: of what memory holds, a quarter is kept of the whole cloud,
  * though no more than an eighth of it, and most of the rest is a tile's. */
 static void share_memory(parted_cloud *parted, uint64_t memory)
 {
-	const bytes_taken by = { LASTING_FIXED_BYTES, LASTING_BYTES };
-	uint64_t count = parted->file.count, all = points_for(memory, by, count);
-	if (all == 0 && memory != UINT64_MAX && memory < by.at_all + PARTED_CLOUD_LEAST * by.point)
+	uint64_t count = parted->file.count, fit = lasting_points(memory);
+	uint64_t all = kept_of(fit, memory, count);
+	if (fit < PARTED_CLOUD_LEAST)
 		return; /* it holds no tile */
 	all = all > 0 ? all : count;
 	uint64_t kept = all / 4 < count / 8 ? all / 4 : count / 8;
@@ -102,21 +94,17 @@ static gw_status find_normals(parted_cloud *parted, bool *found, gw_error *error
 /* How many points are to be kept where all of them make the surface. */
 static gw_status choose_most(parted_cloud *parted, const settings *s, gw_error *error)
 {
-	const bytes_taken lasting = { LASTING_FIXED_BYTES, LASTING_BYTES };
-	const uint64_t most_bytes = KEPT_BYTES + LAMPS_BYTES + NO_NORMAL_BYTES;
-	bytes_taken by = { FIXED_BYTES, KEPT_BYTES };
-	uint64_t memory = memory_for(s);
+	uint64_t memory = memory_for(s), count = parted->file.count, fit;
 	bool normals, lamps = false;
 	/* Then nothing has to be read. */
-	if (!s->save_transport && memory > FIXED_BYTES &&
-		(memory - FIXED_BYTES) / most_bytes >= parted->file.count)
+	if (!s->save_transport && gw_points_in_memory(memory, false, true, &s->bake) >= count)
 		return GW_OK;
 	GW_TRY(find_normals(parted, &normals, error));
 	for (size_t i = 0; i < s->light_count; i++)
 		lamps |= s->light[i].light.type != GW_LIGHT_ENVIRONMENT;
-	by.point += lamps ? LAMPS_BYTES : 0;
-	by.point += normals && s->bake.normals != GW_NORMALS_ESTIMATE ? 0 : NO_NORMAL_BYTES;
-	parted->most = points_for(memory, s->save_transport ? lasting : by, parted->file.count);
+	fit = s->save_transport ? lasting_points(memory)
+							: gw_points_in_memory(memory, normals, lamps, &s->bake);
+	parted->most = kept_of(fit, memory, count);
 	return GW_OK;
 }
 

@@ -165,7 +165,7 @@ static gw_status check_memory(bake *b, gw_error *error)
 		return GW_OK;
 	const gw_memory_facts facts = memory_facts(b);
 	c->foretold = gw_bake_memory(&facts);
-	uint64_t fit = gw_bake_memory_points(&facts, c->bytes);
+	uint64_t fit = gw_bake_memory_points(&facts, c->bytes, 0.0);
 	if (c->foretold <= c->bytes || fit < c->least)
 		return GW_OK;
 	c->fit = fit;

@@ -4,6 +4,7 @@
 #include "bake/bake_memory.h"
 
 #include "base/distribution.h"
+#include "octree/octree.h"
 
 #include <math.h>
 
@@ -11,11 +12,12 @@
  * its columns, light and results; of a facet, with fragments, records and read-back; and of a point
  * that is a copy of one of more. Of 20 scenes with 43,000 to 860,000 surfels, by the process's
  * highest, less what it held when the bake began: 57 MB, 110, 357 and 130 fit best, within a tenth
- * but for random points, lamps and what is estimated. Of a copy more is counted, as it is often of
+ * but for random points, lamps and what is estimated; and 155 where leaves are wider, of clouds of
+ * a million points and more. Of a copy more is counted, as it is often of
  * a surface that was chosen again: what the first one took is not all given back. */
 #define FIXED_BYTES (UINT64_C(72) << 20)
-#define SURFEL_BYTES 125.0
-#define FACET_BYTES 380.0
+#define SURFEL_BYTES 155.0
+#define FACET_BYTES 355.0
 #define SUBSET_BYTES 180.0
 
 /* Of a bake of half of the points beside one of all. */
@@ -25,8 +27,8 @@
 #define LAMPS_BYTES 100.0
 #define ESTIMATED_BYTES 280.0
 
-/* Facets a point: rooms have 0.7, caves 1.1, where sensors are noisy 1.5, random points 3. Where
- * normals are estimated many surfels have backs. */
+/* Facets a point with leaves of GW_LEAF_SPACING: rooms have 0.7, caves 1.1, where sensors are noisy
+ * 1.5, random points 3. Where normals are estimated many surfels have backs. */
 #define FACETS_USUAL 1.15
 #define SURFELS_ESTIMATED 1.3
 #define FACETS_ESTIMATED 1.35
@@ -35,6 +37,9 @@
  * and for each byte that these grow by, so many are taken when the next are placed. */
 #define SLACK 0.05
 #define GROWTH_BYTES 2.0
+
+/* More points than that many times those that are known of are not asked for. */
+#define MOST_TIMES 0x1p40
 
 static bool leaves_are_usual(const gw_bake_options *o)
 {
@@ -53,47 +58,80 @@ bool gw_bake_memory_is_known(const gw_bake_options *o)
 		   !o->lamps && !o->voxels && !o->volume;
 }
 
+/* How many times as much surface as the narrowest leaves of the same points would hold those hold
+ * that so many surfels have. */
+static double leaf_area(const gw_memory_facts *f, double surfels)
+{
+	float spacing = gw_octree_leaf_spacing(GW_LEAF_SPACING_AUTO, (size_t)surfels, !f->widening);
+	double wider = (double)spacing / (double)GW_LEAF_SPACING;
+	return wider * wider;
+}
+
+gw_memory_facts gw_bake_memory_usual(uint64_t points, bool normals, bool lamps,
+									 const gw_bake_options *options)
+{
+	bool estimated = !normals || options->normals == GW_NORMALS_ESTIMATE;
+	double surfels = (estimated ? SURFELS_ESTIMATED : 1.0) * (double)points;
+	gw_memory_facts facts = { .points = points,
+							  .surfels = (uint64_t)surfels,
+							  .lamps = lamps,
+							  .estimated = estimated,
+							  .widening = options->leaf_spacing == GW_LEAF_SPACING_AUTO &&
+										  options->method == GW_METHOD_RAYS && !options->voxels };
+	double facets = (estimated ? FACETS_ESTIMATED : FACETS_USUAL) * (double)points;
+	facts.facets = (uint64_t)(facets / leaf_area(&facts, surfels));
+	return facts;
+}
+
 gw_memory_facts gw_bake_memory_guess(const gw_scene_description *scene,
 									 const gw_bake_options *options, bool subset)
 {
 	const gw_points *points = scene->points;
-	bool estimated = !points->normal || options->normals == GW_NORMALS_ESTIMATE;
-	double surfels = estimated ? SURFELS_ESTIMATED : 1.0;
-	double facets = estimated ? FACETS_ESTIMATED : FACETS_USUAL;
-	gw_memory_facts facts = { .points = points->count,
-							  .surfels = (uint64_t)(surfels * (double)points->count),
-							  .facets = (uint64_t)(facets * (double)points->count),
-							  .subset = subset,
-							  .estimated = estimated };
+	bool lamps = false;
 	for (size_t i = 0; i < scene->light_count; i++)
-		facts.lamps |= gw_light_shines(&scene->lights[i]);
+		lamps |= gw_light_shines(&scene->lights[i]);
+	gw_memory_facts facts = gw_bake_memory_usual(points->count, points->normal, lamps, options);
+	facts.subset = subset;
 	return facts;
 }
 
-/* What goes with the number of points. */
-static double variable_bytes(const gw_memory_facts *f)
+/* What goes with the number of points, of that many times as many. */
+static double variable_bytes(const gw_memory_facts *f, double times)
 {
 	double surfel =
 		SURFEL_BYTES + (f->lamps ? LAMPS_BYTES : 0.0) + (f->estimated ? ESTIMATED_BYTES : 0.0);
-	return surfel * (double)f->surfels + FACET_BYTES * (double)f->facets +
-		   (f->subset ? SUBSET_BYTES * (double)f->points : 0.0);
+	double surfels = (double)f->surfels;
+	double facets = (double)f->facets * leaf_area(f, surfels) / leaf_area(f, times * surfels);
+	return times * (surfel * surfels + FACET_BYTES * facets +
+					(f->subset ? SUBSET_BYTES * (double)f->points : 0.0));
 }
 
 uint64_t gw_bake_memory(const gw_memory_facts *facts)
 {
-	return FIXED_BYTES + (uint64_t)variable_bytes(facts);
+	return FIXED_BYTES + (uint64_t)variable_bytes(facts, 1.0);
 }
 
 uint64_t gw_bake_memory_of_half(const gw_memory_facts *facts)
 {
-	return HALF_FIXED_BYTES + (uint64_t)(0.5 * variable_bytes(facts));
+	return HALF_FIXED_BYTES + (uint64_t)variable_bytes(facts, 0.5);
 }
 
-uint64_t gw_bake_memory_points(const gw_memory_facts *facts, uint64_t bytes)
+uint64_t gw_bake_memory_points(const gw_memory_facts *facts, uint64_t bytes, double given)
 {
 	double left = bytes > FIXED_BYTES ? (double)(bytes - FIXED_BYTES) : 0.0;
-	double all = variable_bytes(facts);
-	return all > 0.0 ? (uint64_t)fmin(left / all * (double)facts->points, 0x1p62) : 0;
+	double points = (double)facts->points, least = 0.0, most = 1.0;
+	if (!(variable_bytes(facts, 1.0) > 0.0))
+		return 0;
+	while (most < MOST_TIMES && variable_bytes(facts, most) + most * given * points <= left)
+		most *= 2.0;
+	for (int halving = 0; halving < 64; halving++) {
+		double times = 0.5 * (least + most);
+		if (variable_bytes(facts, times) + times * given * points <= left)
+			least = times;
+		else
+			most = times;
+	}
+	return (uint64_t)fmin(least * points, 0x1p62);
 }
 
 double gw_bake_memory_growth(uint64_t foretold, uint64_t bytes, uint64_t records)

@@ -8,11 +8,12 @@
  *
  *     fixed + surfel * surfels + facet * facets + subset * points
  *
- * where the last is of bakes of some of more points. A surfel takes more where lamps shine, and
- * where normals are estimated, as the error estimate asks then which surfaces hang together. The
- * numbers are in bake_memory.c, fitted to what bakes of twenty scenes took, from a box to random
- * points, none of which took more than is foretold. Nothing is measured while it runs, so that the
- * same points make the surface each time.
+ * where the last is of bakes of some of more points, and the third grows less than the points of
+ * large clouds do, whose leaves get wider with them (GW_LEAF_SPACING). A surfel takes more where
+ * lamps shine, and where normals are estimated, as the error estimate asks then which surfaces hang
+ * together. The numbers are in bake_memory.c, fitted to what bakes of twenty scenes took, from a
+ * box to random points, none of which took more than is foretold. Nothing is measured while it
+ * runs, so that the same points make the surface each time.
  */
 #ifndef BAKE_MEMORY_H
 #define BAKE_MEMORY_H
@@ -26,6 +27,7 @@ typedef struct gw_memory_facts {
 	bool subset;    /* the points are some of more, and copies */
 	bool lamps;     /* some shine */
 	bool estimated; /* normals are */
+	bool widening;  /* leaves are as wide as GW_LEAF_SPACING_AUTO says for rays */
 } gw_memory_facts;
 
 /* Whether these settings are such that it depends on nothing else: rays, no more of them and no
@@ -37,14 +39,19 @@ bool gw_bake_memory_is_known(const gw_bake_options *options);
 gw_memory_facts gw_bake_memory_guess(const gw_scene_description *scene,
 									 const gw_bake_options *options, bool subset);
 
+/* The same of so many points, all with normals or none, and all that there are. */
+gw_memory_facts gw_bake_memory_usual(uint64_t points, bool normals, bool lamps,
+									 const gw_bake_options *options);
+
 /* Bytes that it takes at most. */
 uint64_t gw_bake_memory(const gw_memory_facts *facts);
 
 /* Bytes that a bake of half of the points takes beside it, to foretell the error. */
 uint64_t gw_bake_memory_of_half(const gw_memory_facts *facts);
 
-/* Of how many of the points a bake would take so many bytes, with as much of all else a point. */
-uint64_t gw_bake_memory_points(const gw_memory_facts *facts, uint64_t bytes);
+/* Of how many points a bake would take so many bytes, with as much of all else a point but for what
+ * wider leaves save; each takes `given` of these, too. */
+uint64_t gw_bake_memory_points(const gw_memory_facts *facts, uint64_t bytes, double given);
 
 /* How many times as many records as now a bake may have that takes as much as was foretold, and may
  * take so many bytes.

@@ -67,7 +67,15 @@ static uint64_t points_for(const gw_scene_description *scene, const gw_bake_opti
 	if (!gw_bake_memory_is_known(options))
 		return memory > FIXED_BYTES ? (memory - FIXED_BYTES) / SURFACE_BYTES : 0;
 	const gw_memory_facts facts = gw_bake_memory_guess(scene, options, !all);
-	return gw_bake_memory_points(&facts, memory);
+	return gw_bake_memory_points(&facts, memory, 0.0);
+}
+
+uint64_t gw_points_in_memory(uint64_t memory, bool normals, bool lamps,
+							 const gw_bake_options *options)
+{
+	const gw_memory_facts facts = gw_bake_memory_usual(POINTS_LEAST, normals, lamps, options);
+	uint64_t left = memory > PROGRAM_BYTES ? memory - PROGRAM_BYTES : 0;
+	return gw_bake_memory_points(&facts, left, GIVEN_BYTES);
 }
 
 size_t gw_surface_points_most(const gw_scene_description *scene, const gw_bake_options *options,
