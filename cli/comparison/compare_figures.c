@@ -7,6 +7,7 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 static const char *const row_name[COMPARE_ROWS] = { "luminance", "red", "green", "blue" };
 
@@ -174,10 +175,21 @@ void compare_figures_clear(compare_figures *f)
 
 /* ----------------------------------------------------------------------------------- output */
 
-static void print_row(FILE *out, const char *component, const char *row, const gw_comparison *c)
+/* Characters of the first column: the longest name and a space. */
+static int width_of_names(const compare_figures *f)
 {
-	fprintf(out, "%-11s%-10s %9.2f %9.2f %+9.2f %9.2f %9.2f %9.2f %9.2f %12.5g\n", component, row,
-			100.0 * c->rel_rmse, 100.0 * c->best_99, 100.0 * c->bias, 100.0 * c->percentile_50,
+	size_t longest = sizeof "irradiance" - 1;
+	for (size_t i = 0; i < f->component_count; i++)
+		if (strlen(f->component[i].name) > longest)
+			longest = strlen(f->component[i].name);
+	return (int)longest + 1;
+}
+
+static void print_row(FILE *out, int width, const char *component, const char *row,
+					  const gw_comparison *c)
+{
+	fprintf(out, "%-*s%-10s %9.2f %9.2f %+9.2f %9.2f %9.2f %9.2f %9.2f %12.5g\n", width, component,
+			row, 100.0 * c->rel_rmse, 100.0 * c->best_99, 100.0 * c->bias, 100.0 * c->percentile_50,
 			100.0 * c->percentile_95, 100.0 * c->percentile_99, 100.0 * c->maximum, c->truth_mean);
 }
 
@@ -194,17 +206,18 @@ static double beyond_truth(const compare_figures *f)
 void compare_figures_print(const compare_figures *f, FILE *out)
 {
 	const matched_scans *m = f->match;
+	const int width = width_of_names(f);
 	fprintf(out, "%s against %s, points matched by %s: %zu compared", m->found_name, m->truth_name,
 			matched_by_name(m->by), m->count);
 	if (m->emitting)
 		fprintf(out, ", %zu left out that emit", m->emitting);
 	if (m->not_finite)
 		fprintf(out, ", %zu left out without a place", m->not_finite);
-	fprintf(out, "\n%-21s %9s %9s %9s %9s %9s %9s %9s %12s\n", "% of the truth's mean", "relRMSE",
-			"best 99%", "bias", "50th", "95th", "99th", "largest", "mean");
+	fprintf(out, "\n%-*s %9s %9s %9s %9s %9s %9s %9s %12s\n", width + 10, "% of the truth's mean",
+			"relRMSE", "best 99%", "bias", "50th", "95th", "99th", "largest", "mean");
 	for (size_t i = 0; i < f->component_count; i++)
 		for (int row = 0; row < COMPARE_ROWS; row++)
-			print_row(out, row ? "" : f->component[i].name, row_name[row],
+			print_row(out, width, row ? "" : f->component[i].name, row_name[row],
 					  &f->component[i].row[row]);
 	if (!isnan(f->truth_error))
 		fprintf(out,

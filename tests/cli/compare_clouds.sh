@@ -54,6 +54,8 @@ glowworm compare glow.ply glow.ply | head -n 1
 { head_of 1 $light scalar_direct_r scalar_direct_g scalar_direct_b; echo 0 0 0 2 2 2 1 1 1; } >d.ply
 sed 's/^0 0 0 .*/0 0 0 2 2 2 2 4 8/' d.ply >e.ply
 glowworm compare d.ply e.ply | tail -n 4
+sed -i 's/scalar_direct/scalar_indirect_irradiance/' d.ply e.ply
+glowworm compare d.ply e.ply | tail -n 8
 # Refused.
 run() {
 	glowworm compare "$@"
