@@ -21,7 +21,7 @@
 
 /* What is known when a round is over. */
 typedef struct gw_refine_state {
-	const gw_bake_options *options; /* of the round */
+	const gw_bake_options *options; /* of the round; leaf_spacing is not GW_LEAF_SPACING_AUTO */
 	gw_error_estimate error;        /* that it made */
 	double round_seconds;           /* from placing records to the estimate */
 	double octree_seconds;          /* the octree and the direct light, where they were last made */
