@@ -45,7 +45,7 @@ row() { # scene options...
 	of_truth=$("$glowworm" compare lit.ply "$name.truth.ply" |
 		awk '/^radiance +luminance/ { rest = $4 " | " $5 }
 			/^the truth itself/ { print $(NF - 2) " | " rest }')
-	stated=$(sed -nE 's/.*"relative_rms": ([0-9.e+-]+).*/\1/p' report.json | tail -1)
+	stated=$(sed -nE 's/^ "error": \{.*"relative_rms": ([0-9.e+-]+).*/\1/p' report.json)
 	awk -v name="$name" -v options="$*" -v truth="$of_truth" -v stated="$stated" \
 		'{ printf "| %s | `%s` | %s | %.2g | %.1f | %d |\n", name, options, truth,
 			100 * stated, $1, $2 / 1024 }' took
