@@ -6,14 +6,14 @@
  * estimate go with these. So what a bake takes at most is, beside the program and the points that
  * it is given,
  *
- *     fixed + surfel * surfels + facet * facets + subset * points
+ *     fixed + max(surfel * surfels + facet * facets, least * surfels) + subset * points
  *
- * where the last is of bakes of some of more points, and the third grows less than the points of
- * large clouds do, whose leaves get wider with them (GW_LEAF_SPACING). A surfel takes more where
- * lamps shine, and where normals are estimated, as the error estimate asks then which surfaces hang
- * together. The numbers are in bake_memory.c, fitted to what bakes of twenty scenes took, from a
- * box to random points, none of which took more than is foretold. Nothing is measured while it
- * runs, so that the same points make the surface each time.
+ * where the last is of bakes of some of more points, and what is of facets grows less than the
+ * points of large clouds do, whose leaves get wider with them (GW_LEAF_SPACING). A surfel takes
+ * more where lamps shine, and where normals are estimated, as the error estimate asks then which
+ * surfaces hang together. The numbers are in bake_memory.c, fitted to what bakes of twenty scenes
+ * took, from a box to random points, none of which took more than is foretold. Nothing is measured
+ * while it runs, so that the same points make the surface each time.
  */
 #ifndef BAKE_MEMORY_H
 #define BAKE_MEMORY_H

@@ -10,6 +10,7 @@
 #include "cloud/frame.h"
 #include "device/gpu.h"
 #include "glowworm_host.h"
+#include "glowworm_parts.h"
 
 #include <float.h>
 #include <math.h>

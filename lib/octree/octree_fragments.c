@@ -266,8 +266,9 @@ gw_status gw_octree_count_fragments(gw_octree_work *work, uint64_t *total, gw_er
 								  &work->surfel_offset, error));
 	GW_TRY(gw_octree_buffer_unset(work, VK_FORMAT_R32_UINT, bytes, "samples of discs",
 								  &work->surfel_samples, error));
-	GW_TRY(gw_octree_buffer_unset(work, VK_FORMAT_R32_UINT, GW_COLUMN_WORDS * bytes,
-								  "what discs meet", &work->column_note, error));
+	const gw_buffer_description notes = { GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
+										  GW_COLUMN_WORDS * bytes, "what discs meet" };
+	GW_TRY(gw_buffer_create_unset(work->gpu, &notes, &work->column_note, error));
 	if (work->no_weight.handle == VK_NULL_HANDLE)
 		GW_TRY(
 			gw_octree_buffer(work, VK_FORMAT_R32_SFLOAT, 4, "no weight", &work->no_weight, error));

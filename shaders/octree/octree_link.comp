@@ -33,7 +33,8 @@ void main()
 		uint found = 0u;
 		if (all(lessThan(other, uvec3(side))))
 			found = find_key(tiles, push.total, morton_encode(other));
-		imageStore(neighbour, int(8u * tile + o), uvec4(found == 0u ? 0u : push.tile_first + found));
+		uint pointer = found == 0u ? 0u : push.tile_first + found;
+		imageStore(neighbour, int(8u * tile + o), uvec4(pointer));
 	}
 	if (push.parent_count > 0u) {
 		uint parent = find_key(parents, push.parent_count, key_parent(key));
