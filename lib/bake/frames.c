@@ -47,6 +47,8 @@ static gw_status make_surfels(gw_frames *f, gw_error *error)
 		status = gw_surfel_parts_make(f->points, f->motion, &options, &f->parts, &f->scene.surfels,
 									  error);
 	f->scene.surfels.emission_alone = gw_scene_emission_is_alone(&f->scene);
+	/* As wide as of all surfels, for octrees of those that stay as well. */
+	f->scene.options.leaf_spacing = gw_scene_leaf_spacing(&f->scene);
 	f->made = status == GW_OK;
 	f->shared_seconds += gw_seconds() - start;
 	return status;

@@ -238,9 +238,8 @@ gw_status gw_image_download(gw_gpu *gpu, gw_image *image, void *data, uint64_t b
 typedef enum gw_binding_kind {
 	GW_BIND_STORAGE,       /* gw_buffer as storage buffer */
 	GW_BIND_TEXEL,         /* gw_buffer as uniform texel buffer */
-	GW_BIND_TEXEL_WRITTEN, /* gw_buffer as storage texel buffer: imageLoad and imageStore,
-							  at any of its texels,
-							  where it is larger than the device's largest storage range, too */
+	GW_BIND_TEXEL_WRITTEN, /* gw_buffer as storage texel buffer, imageLoad/imageStore; it may be
+							  larger than the device's largest storage range */
 	GW_BIND_STORAGE_IMAGE, /* gw_image, imageLoad/imageStore */
 	GW_BIND_SAMPLED_IMAGE, /* gw_image with a linear, clamp-to-edge sampler; nearest for formats
 							  that the device cannot filter, as integers */

@@ -496,10 +496,13 @@ static gw_memory_facts facts_times(const gw_memory_facts *f, double times)
 static void memory_is_foretold(void **state)
 {
 	(void)state;
-	for (int bits = 0; bits < 16; bits++) {
+	for (int bits = 0; bits < 32; bits++) {
 		gw_memory_facts f = { .points = 1000000,
 							  .surfels = bits & 1 ? 1900000 : 1000000,
-							  .facets = bits & 2 ? 3000000 : 700000,
+							  /* of the last so few that what comes before them is the most */
+							  .facets = bits & 16  ? 100000
+										: bits & 2 ? 3000000
+												   : 700000,
 							  .subset = bits & 4,
 							  .lamps = bits & 2,
 							  .estimated = bits & 1,
