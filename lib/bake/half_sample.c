@@ -177,7 +177,7 @@ static bool mark_near(const gw_point_subset *half, double reach, size_t turned, 
 		t.middle = t.middle ? t.middle : half->position + 3 * i;
 		place(&t, i, at + 3 * k++);
 	}
-	t.index = at ? gw_neighbour_index_build(at, turned) : NULL;
+	t.index = at ? gw_neighbour_index_build(at, turned, 1) : NULL;
 	bool good = t.index && mark_all(&t, kinds);
 	gw_neighbour_index_free(t.index);
 	free(at);

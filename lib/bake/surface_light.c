@@ -387,7 +387,7 @@ static bool open_index(spread *s)
 			s->place[3 * s->rows + c] = (float)(surface->position[3 * k + c] - s->middle[c]);
 		s->row[s->rows++] = (uint32_t)k;
 	}
-	s->index = s->rows > 0 ? gw_neighbour_index_build(s->place, s->rows) : NULL;
+	s->index = s->rows > 0 ? gw_neighbour_index_build(s->place, s->rows, s->task->threads) : NULL;
 	return s->index != NULL || s->rows == 0;
 }
 

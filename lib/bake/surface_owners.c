@@ -53,7 +53,7 @@ static bool place_of(const search *s, const double *position, float place[3])
 	return near;
 }
 
-static bool build(search *s)
+static bool build(search *s, uint32_t threads)
 {
 	const gw_points *p = &s->surface->points;
 	s->place = gw_allocate_array(p->count, 3 * sizeof *s->place);
@@ -69,7 +69,7 @@ static bool build(search *s)
 			continue;
 		s->row[s->rows++] = (uint32_t)k;
 	}
-	s->index = s->rows > 0 ? gw_neighbour_index_build(s->place, s->rows) : NULL;
+	s->index = s->rows > 0 ? gw_neighbour_index_build(s->place, s->rows, threads) : NULL;
 	return s->index || s->rows == 0;
 }
 
@@ -132,7 +132,7 @@ gw_status gw_owners_find(const gw_points *points, const gw_point_subset *surface
 						 uint32_t *owner, gw_error *error)
 {
 	search s = { .points = points, .surface = surface, .owner = owner };
-	bool good = build(&s);
+	bool good = build(&s, threads);
 	if (good)
 		gw_parallel_for(threads, points->count, CHUNK, find_some, &s);
 	good = good && !atomic_load_explicit(&s.failed, memory_order_relaxed);

@@ -117,7 +117,7 @@ static bool find_scanners(const gw_tile *tile, tile_scene *s)
 			place[3 * rows + c] = (float)(at[c] - kept->position[c]);
 		row[rows++] = (uint32_t)i;
 	}
-	gw_neighbour_index *index = good && rows > 0 ? gw_neighbour_index_build(place, rows) : NULL;
+	gw_neighbour_index *index = good && rows > 0 ? gw_neighbour_index_build(place, rows, 1) : NULL;
 	for (size_t i = 0; index && i < near->count; i++) {
 		float query[3], squared;
 		int found;

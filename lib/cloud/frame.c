@@ -3,6 +3,7 @@
 #include "glowworm_host.h"
 
 #include "cloud/bulk_bounds.h"
+#include "base/key_sort.h"
 #include "base/memory.h"
 
 #include <math.h>
@@ -16,24 +17,35 @@
 #define TRANSPARENCY_MAX 0.9999f
 
 #define GRID_BITS 21
-#define RADIX_BITS 11
-#define RADIX (1u << RADIX_BITS)
+#define CHUNK 16384 /* points that a thread takes at a time */
 
-/* A finite point on its way to its place. */
-typedef struct keyed_point {
-	uint64_t key;
-	uint32_t point;
-} keyed_point;
+/* What became of points as they were merged. */
+typedef struct repairs {
+	size_t duplicates, normals_given, albedo_clamped, albedo_defaulted, emission_repaired;
+	bool emits;
+} repairs;
+
+/* Some of the sorted points: no point elsewhere has the place of one of them. */
+typedef struct frame_part {
+	size_t first, end;     /* of the sorted points */
+	size_t first_surfel;   /* of theirs; at first how many there are */
+	float low[3], high[3]; /* bounds of those in the bulk, local */
+	repairs repairs;
+} frame_part;
 
 /* What all of this file's functions need to know. */
 typedef struct frame {
 	const gw_points *points;
 	gw_surfels *surfels;
+	uint32_t threads;
+	double minimum[3], maximum[3]; /* of the bulk */
 	double grain;            /* local coordinates are multiples of it, metres; 0: not rounded */
 	double grains_per_metre; /* its inverse, exact: both are powers of two */
 	double cells_per_metre;  /* of the Morton grid */
-	keyed_point *order;      /* finite points, sorted */
+	gw_keyed *order;         /* finite points, sorted */
 	size_t finite;
+	frame_part *part; /* part_count */
+	size_t part_count;
 } frame;
 
 /* Sums of the attributes of points that share a position. */
@@ -79,8 +91,8 @@ size_t gw_finite_bounds(const gw_points *points, double minimum[3], double maxim
 			continue;
 		finite++;
 		for (int k = 0; k < 3; k++) {
-			minimum[k] = fmin(minimum[k], p[k]);
-			maximum[k] = fmax(maximum[k], p[k]);
+			minimum[k] = p[k] < minimum[k] ? p[k] : minimum[k];
+			maximum[k] = p[k] > maximum[k] ? p[k] : maximum[k];
 		}
 	}
 	return finite;
@@ -92,16 +104,14 @@ size_t gw_finite_bounds(const gw_points *points, double minimum[3], double maxim
  * Local coordinates are rounded to 2^-40 of the extent: finer differences mean nothing in float32,
  * but their squares would underflow near the origin and nowhere else.
  */
-static void choose_frame(frame *f, const double minimum[3], const double maximum[3])
+static void choose_frame(frame *f, double extent)
 {
-	double extent = 0, step = 1;
+	double step = 1;
 	f->surfels->up = f->points->up;
-	for (int k = 0; k < 3; k++)
-		extent = fmax(extent, maximum[k] - minimum[k]);
 	if (extent > 0 && extent < 1)
 		step = ldexp(1, ilogb(extent));
 	for (int k = 0; k < 3; k++)
-		f->surfels->origin[k] = floor(minimum[k] / step) * step;
+		f->surfels->origin[k] = floor(f->minimum[k] / step) * step;
 	f->grain = extent > 0 ? ldexp(1, ilogb(extent) - 40) : 0;
 	f->grains_per_metre = extent > 0 ? ldexp(1, 40 - ilogb(extent)) : 0;
 	/* Slightly less than 2^21 cells, so that the largest coordinate has a cell. */
@@ -121,46 +131,49 @@ static uint64_t morton_key(const frame *f, const float local[3])
 }
 
 /* Of the bulk; what lies outside is in the frame, but nothing is made for it. */
-static void find_local_bounds(frame *f, const double minimum[3], const double maximum[3])
+static void find_part_bounds(void *user, size_t first, size_t last, uint32_t worker)
 {
-	gw_surfels *s = f->surfels;
+	const frame *f = user;
+	frame_part *part = f->part + first / CHUNK;
+	(void)worker;
 	for (int k = 0; k < 3; k++) {
-		s->minimum[k] = INFINITY;
-		s->maximum[k] = -INFINITY;
+		part->low[k] = INFINITY;
+		part->high[k] = -INFINITY;
 	}
-	for (size_t i = 0; i < f->finite; i++) {
+	for (size_t i = first; i < last; i++) {
 		float local[3];
-		if (!gw_within(f->points->position + 3 * (size_t)f->order[i].point, minimum, maximum))
+		if (!gw_within(f->points->position + 3 * (size_t)f->order[i].item, f->minimum, f->maximum))
 			continue;
-		local_position(f, f->order[i].point, local);
+		local_position(f, f->order[i].item, local);
 		for (int k = 0; k < 3; k++) {
-			s->minimum[k] = fminf(s->minimum[k], local[k]);
-			s->maximum[k] = fmaxf(s->maximum[k], local[k]);
+			part->low[k] = fminf(part->low[k], local[k]);
+			part->high[k] = fmaxf(part->high[k], local[k]);
 		}
 	}
 }
 
-/* Sorts by key, least significant digit first; digits that are the same everywhere cost one look.
- */
-static void sort_by_key(keyed_point **items, keyed_point **spare, size_t count)
+static void find_local_bounds(frame *f)
 {
-	for (unsigned shift = 0; shift < 3 * GRID_BITS; shift += RADIX_BITS) {
-		size_t first[RADIX] = { 0 };
-		for (size_t i = 0; i < count; i++)
-			first[(*items)[i].key >> shift & (RADIX - 1)]++;
-		if (first[(*items)[0].key >> shift & (RADIX - 1)] == count)
-			continue;
-		size_t sum = 0;
-		for (unsigned digit = 0; digit < RADIX; digit++) {
-			size_t in_digit = first[digit];
-			first[digit] = sum;
-			sum += in_digit;
+	gw_surfels *s = f->surfels;
+	gw_parallel_for(f->threads, f->finite, CHUNK, find_part_bounds, f);
+	for (int k = 0; k < 3; k++) {
+		s->minimum[k] = INFINITY;
+		s->maximum[k] = -INFINITY;
+		for (size_t p = 0; p < f->part_count; p++) {
+			s->minimum[k] = fminf(s->minimum[k], f->part[p].low[k]);
+			s->maximum[k] = fmaxf(s->maximum[k], f->part[p].high[k]);
 		}
-		for (size_t i = 0; i < count; i++)
-			(*spare)[first[(*items)[i].key >> shift & (RADIX - 1)]++] = (*items)[i];
-		keyed_point *swap = *items;
-		*items = *spare;
-		*spare = swap;
+	}
+}
+
+static void find_keys(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const frame *f = user;
+	(void)worker;
+	for (size_t i = first; i < last; i++) {
+		float local[3];
+		local_position(f, f->order[i].item, local);
+		f->order[i].key = morton_key(f, local);
 	}
 }
 
@@ -179,7 +192,7 @@ static int compare_opacity(const float *opacity, size_t a, size_t b)
 static int compare_points(const void *a, const void *b, void *user)
 {
 	const frame *f = user;
-	size_t i = ((const keyed_point *)a)->point, j = ((const keyed_point *)b)->point;
+	size_t i = ((const gw_keyed *)a)->item, j = ((const gw_keyed *)b)->item;
 	float p[3], q[3];
 	local_position(f, i, p);
 	local_position(f, j, q);
@@ -194,24 +207,71 @@ static int compare_points(const void *a, const void *b, void *user)
 	return order ? order : compare_opacity(f->points->opacity, i, j);
 }
 
-static gw_status sort_points(frame *f, gw_error *error)
+/* Parts end where a cell of the Morton grid does. */
+static void part_points(frame *f)
 {
-	keyed_point *spare = gw_allocate_array(f->finite, sizeof *spare);
-	if (!spare)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory to sort %zu points; %zu bytes are needed",
-					   f->finite, f->finite * sizeof *spare);
-	for (size_t i = 0; i < f->finite; i++) {
-		float local[3];
-		local_position(f, f->order[i].point, local);
-		f->order[i].key = morton_key(f, local);
+	size_t end = 0;
+	for (size_t p = 0; p < f->part_count; p++) {
+		f->part[p] = (frame_part){ .first = end };
+		end = end > (p + 1) * CHUNK ? end : (p + 1) * CHUNK;
+		end = end < f->finite ? end : f->finite;
+		while (end > f->part[p].first && end < f->finite &&
+			   f->order[end].key == f->order[end - 1].key)
+			end++;
+		f->part[p].end = end;
 	}
-	sort_by_key(&f->order, &spare, f->finite);
-	free(spare);
-	for (size_t first = 0, last; first < f->finite; first = last) {
-		for (last = first + 1; last < f->finite && f->order[last].key == f->order[first].key;)
+}
+
+/* The first sorted point after one that has another place. */
+static size_t find_next_place(const frame *f, size_t first, size_t end, float local[3])
+{
+	float next[3];
+	local_position(f, f->order[first].item, local);
+	for (size_t i = first + 1; i < end; i++) {
+		if (f->order[i].key != f->order[first].key)
+			return i;
+		local_position(f, f->order[i].item, next);
+		if (memcmp(local, next, sizeof next) != 0)
+			return i;
+	}
+	return end;
+}
+
+/* Sorts points of one cell, and counts places. */
+static void sort_part(frame *f, frame_part *part)
+{
+	float local[3];
+	for (size_t first = part->first, last; first < part->end; first = last) {
+		for (last = first + 1; last < part->end && f->order[last].key == f->order[first].key;)
 			last++;
 		if (last - first > 1)
 			qsort_r(f->order + first, last - first, sizeof *f->order, compare_points, f);
+	}
+	for (size_t i = part->first; i < part->end; i = find_next_place(f, i, part->end, local))
+		part->first_surfel++;
+}
+
+static void sort_parts(void *user, size_t first, size_t last, uint32_t worker)
+{
+	frame *f = user;
+	(void)worker;
+	for (size_t p = first; p < last; p++)
+		sort_part(f, f->part + p);
+}
+
+/* Sorts the finite points, in parts, and knows the first surfel of each. */
+static gw_status sort_points(frame *f, gw_error *error)
+{
+	gw_parallel_for(f->threads, f->finite, CHUNK, find_keys, f);
+	if (!gw_sort_keyed(&f->order, f->finite, 3 * GRID_BITS, f->threads))
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to sort %zu points; %zu bytes are needed",
+					   f->finite, f->finite * GW_KEY_SORT_BYTES);
+	part_points(f);
+	gw_parallel_for(f->threads, f->part_count, 1, sort_parts, f);
+	for (size_t p = 0; p < f->part_count; p++) {
+		size_t own = f->part[p].first_surfel;
+		f->part[p].first_surfel = f->surfels->count;
+		f->surfels->count += own;
 	}
 	return GW_OK;
 }
@@ -268,17 +328,17 @@ static albedo_repair albedo_of(const gw_points *points, size_t point, float albe
 }
 
 /* Each point counts once. */
-static void add_albedo(const frame *f, size_t point, merged *sum)
+static void add_albedo(const frame *f, size_t point, merged *sum, repairs *made)
 {
 	float albedo[3];
 	albedo_repair repair = albedo_of(f->points, point, albedo);
 	for (size_t k = 0; k < 3; k++)
 		sum->albedo[k] += (double)albedo[k];
-	f->surfels->albedo_clamped += repair.clamped;
-	f->surfels->albedo_defaulted += repair.defaulted;
+	made->albedo_clamped += repair.clamped;
+	made->albedo_defaulted += repair.defaulted;
 }
 
-static void add_emission(const frame *f, size_t point, merged *sum)
+static void add_emission(const frame *f, size_t point, merged *sum, repairs *made)
 {
 	bool repaired = false;
 	if (!f->points->emission)
@@ -290,12 +350,12 @@ static void add_emission(const frame *f, size_t point, merged *sum)
 		else
 			repaired = true;
 	}
-	f->surfels->emission_repaired += repaired;
+	made->emission_repaired += repaired;
 }
 
 /* Merged normals are averaged with their lengths, which makes the mean an NDF (Salm 4.3.1). Where
  * they cancel, a sheet seen from both sides, the first one stands for both. */
-static void store_normal(gw_surfels *s, size_t surfel, const merged *sum)
+static void store_normal(gw_surfels *s, size_t surfel, const merged *sum, repairs *made)
 {
 	double m[3], length = 0;
 	float *normal = s->normal + 3 * surfel;
@@ -313,52 +373,72 @@ static void store_normal(gw_surfels *s, size_t surfel, const merged *sum)
 		normal[k] = cancels ? sum->first_normal[k] : (float)(m[k] / length);
 	s->normal_length[surfel] = (float)fmin(cancels ? given : length, 1);
 	s->two_sided[surfel] = cancels;
-	s->normals_given++;
+	made->normals_given++;
 }
 
-static bool store_surfel(const frame *f, size_t surfel, const float local[3], const merged *sum)
+static void store_surfel(const frame *f, size_t surfel, const float local[3], const merged *sum,
+						 repairs *made)
 {
 	gw_surfels *s = f->surfels;
-	bool emits = false;
 	memcpy(s->position + 3 * surfel, local, 3 * sizeof *local);
-	store_normal(s, surfel, sum);
+	store_normal(s, surfel, sum, made);
 	for (size_t k = 0; k < 3; k++) {
 		float albedo = (float)(sum->albedo[k] / (double)sum->points);
 		s->albedo[3 * surfel + k] = fminf(albedo, GW_ALBEDO_MAX);
 		if (s->emission) {
 			s->emission[3 * surfel + k] = (float)(sum->emission[k] / (double)sum->points);
-			emits |= s->emission[3 * surfel + k] > 0;
+			made->emits |= s->emission[3 * surfel + k] > 0;
 		}
 	}
 	if (s->transparency)
 		s->transparency[surfel] =
 			fminf((float)(sum->transparency / (double)sum->points), TRANSPARENCY_MAX);
-	s->duplicates += sum->points - 1;
-	return emits;
+	made->duplicates += sum->points - 1;
+}
+
+static void merge_part(const frame *f, frame_part *part)
+{
+	gw_surfels *s = f->surfels;
+	repairs *made = &part->repairs;
+	size_t surfel = part->first_surfel;
+	for (size_t first = part->first, last; first < part->end; first = last, surfel++) {
+		merged sum = { .points = 0 };
+		float local[3];
+		last = find_next_place(f, first, part->end, local);
+		for (size_t i = first; i < last; i++) {
+			size_t point = f->order[i].item;
+			sum.points++;
+			add_normal(f, point, &sum);
+			add_albedo(f, point, &sum, made);
+			add_emission(f, point, &sum, made);
+			sum.transparency += f->points->opacity ? 1.0 - (double)f->points->opacity[point] : 0.0;
+			s->surfel_of_point[point] = (uint32_t)surfel;
+		}
+		store_surfel(f, surfel, local, &sum, made);
+	}
+}
+
+static void merge_parts(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const frame *f = user;
+	(void)worker;
+	for (size_t p = first; p < last; p++)
+		merge_part(f, f->part + p);
 }
 
 static void merge_points(frame *f)
 {
 	gw_surfels *s = f->surfels;
 	bool emits = false;
-	for (size_t first = 0, last; first < f->finite; first = last) {
-		merged sum = { .points = 0 };
-		float local[3], next[3];
-		local_position(f, f->order[first].point, local);
-		for (last = first; last < f->finite; last++) {
-			size_t point = f->order[last].point;
-			local_position(f, point, next);
-			if (memcmp(local, next, sizeof next) != 0)
-				break;
-			sum.points++;
-			add_normal(f, point, &sum);
-			add_albedo(f, point, &sum);
-			add_emission(f, point, &sum);
-			sum.transparency += f->points->opacity ? 1.0 - (double)f->points->opacity[point] : 0.0;
-			s->surfel_of_point[point] = (uint32_t)s->count;
-		}
-		emits |= store_surfel(f, s->count, local, &sum);
-		s->count++;
+	gw_parallel_for(f->threads, f->part_count, 1, merge_parts, f);
+	for (size_t p = 0; p < f->part_count; p++) {
+		const repairs *made = &f->part[p].repairs;
+		s->duplicates += made->duplicates;
+		s->normals_given += made->normals_given;
+		s->albedo_clamped += made->albedo_clamped;
+		s->albedo_defaulted += made->albedo_defaulted;
+		s->emission_repaired += made->emission_repaired;
+		emits |= made->emits;
 	}
 	if (!emits) {
 		free(s->emission);
@@ -446,57 +526,75 @@ static void list_finite(frame *f)
 	for (size_t i = 0; i < f->points->count; i++) {
 		f->surfels->surfel_of_point[i] = UINT32_MAX;
 		if (is_there(f->points, i))
-			f->order[finite++].point = (uint32_t)i;
+			f->order[finite++].item = (uint32_t)i;
 	}
 }
 
-gw_status gw_frame_make(const gw_points *points, const gw_surfels_options *options,
-						gw_surfels *surfels, gw_error *error)
+/* What the points' bounds say of the frame; fails where there is none. */
+static gw_status check_bounds(frame *f, const gw_surfels_options *options, gw_error *error)
 {
-	frame f = { .points = points, .surfels = surfels };
-	double minimum[3], maximum[3];
+	const gw_points *points = f->points;
 	if (points->count > 1u << 30)
 		return gw_fail(error, GW_ERROR_DATA,
 					   "the scene has %zu points; at most 2^30 can be baked at once, split it",
 					   points->count);
-	f.finite = gw_finite_bounds(points, minimum, maximum);
-	if (f.finite == 0)
+	f->finite = gw_finite_bounds(points, f->minimum, f->maximum);
+	if (f->finite == 0)
 		return gw_fail(error, GW_ERROR_DATA,
 					   "none of the %zu points has finite coordinates within %s m of 0",
 					   points->count, GW_SAID(GW_COORDINATE_MAX, 15));
-	uint64_t needed = 2 * (uint64_t)f.finite * sizeof(keyed_point);
+	uint64_t needed = (uint64_t)f->finite * (sizeof *f->order + GW_KEY_SORT_BYTES);
 	if (options->memory && needed > options->memory)
 		return gw_fail(error, GW_ERROR_MEMORY,
 					   "sorting %zu points takes %llu bytes, %llu may be used; allow more memory "
 					   "or use fewer points",
-					   f.finite, (unsigned long long)needed, (unsigned long long)options->memory);
-
-	gw_bulk_bounds(points, minimum, maximum);
-	double extent =
-		fmax(fmax(maximum[0] - minimum[0], maximum[1] - minimum[1]), maximum[2] - minimum[2]);
+					   f->finite, (unsigned long long)needed, (unsigned long long)options->memory);
+	gw_bulk_bounds(points, f->minimum, f->maximum);
+	double extent = 0;
+	for (int k = 0; k < 3; k++)
+		extent = fmax(extent, f->maximum[k] - f->minimum[k]);
 	if (extent > 0 && extent < EXTENT_MIN)
 		return gw_fail(error, GW_ERROR_DATA,
 					   "all points lie within %s m, which is too little to tell them apart: check "
 					   "the unit of their coordinates",
 					   GW_SAID(extent, 3));
-	choose_frame(&f, minimum, maximum);
+	choose_frame(f, extent);
+	return GW_OK;
+}
+
+static gw_status allocate(frame *f, const gw_surfels_options *options, gw_error *error)
+{
+	f->part_count = (f->finite + CHUNK - 1) / CHUNK;
+	f->part = gw_allocate_array(f->part_count, sizeof *f->part);
+	f->order = gw_allocate_array(f->finite, sizeof *f->order);
+	bool clear = is_clear_anywhere(f->points, options);
+	if (!f->part || !f->order || !allocate_arrays(f->surfels, f->points, clear, f->finite))
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu points", f->finite);
+	return GW_OK;
+}
+
+static gw_status fill_arrays(frame *f, gw_error *error)
+{
+	list_finite(f);
+	find_local_bounds(f);
+	GW_TRY(sort_points(f, error));
+	merge_points(f);
+	shrink_arrays(f->surfels);
+	return gw_frame_keep_albedo(f->points, f->surfels, error);
+}
+
+gw_status gw_frame_make(const gw_points *points, const gw_surfels_options *options,
+						gw_surfels *surfels, gw_error *error)
+{
+	frame f = { .points = points, .surfels = surfels, .threads = options->threads };
+	GW_TRY(check_bounds(&f, options, error));
 	surfels->point_count = points->count;
 	surfels->non_finite = points->count - f.finite;
-	f.order = gw_allocate_array(f.finite, sizeof *f.order);
-	if (!f.order ||
-		!allocate_arrays(surfels, points, is_clear_anywhere(points, options), f.finite)) {
-		free(f.order);
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu points", f.finite);
-	}
-	list_finite(&f);
-	find_local_bounds(&f, minimum, maximum);
-	gw_status status = sort_points(&f, error);
-	if (status == GW_OK) {
-		merge_points(&f);
-		shrink_arrays(surfels);
-		status = gw_frame_keep_albedo(points, surfels, error);
-	}
+	gw_status status = allocate(&f, options, error);
+	if (status == GW_OK)
+		status = fill_arrays(&f, error);
 	free(f.order);
+	free(f.part);
 	return status;
 }
 

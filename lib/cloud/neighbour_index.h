@@ -1,11 +1,12 @@
 /*
- * neighbour_index.h - FLANN's exact k-d tree, behind functions that throw nothing.
+ * neighbour_index.h - FLANN's exact k-d trees, behind functions that throw nothing.
  */
 #ifndef NEIGHBOUR_INDEX_H
 #define NEIGHBOUR_INDEX_H
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -14,16 +15,17 @@ extern "C" {
 typedef struct gw_neighbour_index gw_neighbour_index;
 
 /*
- * Builds a tree over count (1..2^30) finite points of about unit size.
- *   position  3 * count; borrowed until gw_neighbour_index_free
+ * Builds trees over count (1..2^30) finite points of about unit size.
+ *   position  3 * count; not used any more when this returns
+ *   threads   0 means one a processor; what is found does not depend on it
  * Returns NULL when memory is short, or points are not finite after all.
  */
-gw_neighbour_index *gw_neighbour_index_build(float *position, size_t count);
+gw_neighbour_index *gw_neighbour_index_build(const float *position, size_t count, uint32_t threads);
 void gw_neighbour_index_free(gw_neighbour_index *index);
 
 /*
- * Finds the k points nearest to each of query_count queries, nearest first. Several threads may
- * search one index at the same time.
+ * Finds the k points nearest to each of query_count queries, nearest first, and of points that are
+ * equally far those of the lowest numbers. Several threads may search one index at the same time.
  *   k         1..number of points in the tree
  *   found     k * query_count indices
  *   squared   k * query_count squared distances

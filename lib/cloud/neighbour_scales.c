@@ -38,7 +38,6 @@
 /* One thinned cloud. */
 typedef struct thinned {
 	gw_neighbour_index *index;
-	float *scaled;    /* 3 * count */
 	uint32_t *surfel; /* count */
 	size_t count;
 } thinned;
@@ -46,13 +45,15 @@ typedef struct thinned {
 struct gw_neighbour_scales {
 	const gw_surfels *surfels;
 	const gw_neighbour_index *all;
+	uint32_t threads;
 	double scale, per_metre; /* cells of the finest level */
 	pthread_mutex_t lock;
 	thinned level[LEVELS];
 };
 
 gw_neighbour_scales *gw_neighbour_scales_open(const gw_surfels *surfels,
-											  const gw_neighbour_index *all, double scale)
+											  const gw_neighbour_index *all, double scale,
+											  uint32_t threads)
 {
 	gw_neighbour_scales *scales = gw_allocate_zeros(1, sizeof *scales);
 	double extent = 0;
@@ -63,6 +64,7 @@ gw_neighbour_scales *gw_neighbour_scales_open(const gw_surfels *surfels,
 	scales->surfels = surfels;
 	scales->all = all;
 	scales->scale = scale;
+	scales->threads = threads;
 	/* The grid of the surfels' order, so that those of a cell are next to each other. */
 	scales->per_metre = extent > 0 ? (double)((1 << 21) - 1) / extent : 0;
 	pthread_mutex_init(&scales->lock, NULL);
@@ -75,7 +77,6 @@ void gw_neighbour_scales_close(gw_neighbour_scales *scales)
 		return;
 	for (int l = 0; l < LEVELS; l++) {
 		gw_neighbour_index_free(scales->level[l].index);
-		free(scales->level[l].scaled);
 		free(scales->level[l].surfel);
 	}
 	pthread_mutex_destroy(&scales->lock);
@@ -103,11 +104,12 @@ static bool thin(const gw_neighbour_scales *scales, int level, thinned *t)
 			t->surfel[t->count++] = (uint32_t)i;
 		memcpy(before, cell, sizeof cell);
 	}
-	t->scaled = t->surfel ? gw_allocate_array(t->count, 3 * sizeof *t->scaled) : NULL;
-	for (size_t i = 0; i < 3 * t->count && t->scaled; i++)
-		t->scaled[i] =
+	float *scaled = t->surfel ? gw_allocate_array(t->count, 3 * sizeof *scaled) : NULL;
+	for (size_t i = 0; i < 3 * t->count && scaled; i++)
+		scaled[i] =
 			(float)((double)s->position[3 * (size_t)t->surfel[i / 3] + i % 3] * scales->scale);
-	t->index = t->scaled ? gw_neighbour_index_build(t->scaled, t->count) : NULL;
+	t->index = scaled ? gw_neighbour_index_build(scaled, t->count, scales->threads) : NULL;
+	free(scaled);
 	return t->index != NULL;
 }
 

@@ -23,9 +23,11 @@ typedef struct gw_neighbour_scales gw_neighbour_scales;
  *   surfels   unchanged until gw_neighbour_scales_close, as is
  *   all       the tree over them, times scale
  *   scale     that makes their positions about unit size, a power of two
+ *   threads   to build trees on; 0 means one a processor
  */
 gw_neighbour_scales *gw_neighbour_scales_open(const gw_surfels *surfels,
-											  const gw_neighbour_index *all, double scale);
+											  const gw_neighbour_index *all, double scale,
+											  uint32_t threads);
 void gw_neighbour_scales_close(gw_neighbour_scales *scales);
 
 /*

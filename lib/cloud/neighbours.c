@@ -55,6 +55,7 @@ typedef struct wide_search {
 
 /* A thread's memory: the results of one chunk's search. */
 typedef struct chunk_result {
+	float query[3 * CHUNK];
 	int found[CHUNK * SEARCHED];
 	float squared[CHUNK * SEARCHED];
 	wide_search wide; /* starts anew with every chunk, so that threads make no difference */
@@ -65,8 +66,7 @@ struct gw_neighbours {
 	const gw_surfels_options *options;
 	gw_neighbour_index *index;
 	gw_neighbour_scales *scales;
-	double scale;          /* a power of two */
-	float *scaled;         /* 3 * count, positions times scale: about unit size */
+	double scale;          /* a power of two; positions times it are of about unit size */
 	uint32_t per_surfel;   /* neighbours of each surfel: min(GW_NEIGHBOURS, count - 1) */
 	uint32_t *stored;      /* NULL or per_surfel * count, lists found by the first visit */
 	bool is_stored;        /* whether the first visit has filled it */
@@ -103,15 +103,36 @@ static double maximum_norm_between(const gw_surfels *s, size_t a, size_t b)
 
 /* Positions times a power of two: nothing is rounded, and squares neither overflow nor underflow.
  */
-static void scale_positions(gw_neighbours *search)
+static void scale_positions(const gw_neighbours *search, size_t first, size_t last, float *scaled)
+{
+	const float *position = search->surfels->position;
+	for (size_t i = 3 * first; i < 3 * last; i++)
+		scaled[i - 3 * first] = (float)((double)position[i] * search->scale);
+}
+
+/* False when memory is short. */
+static bool build_index(gw_neighbours *search)
 {
 	const gw_surfels *s = search->surfels;
 	float extent = 0;
 	for (int k = 0; k < 3; k++)
 		extent = fmaxf(extent, s->maximum[k] - s->minimum[k]);
 	search->scale = extent > 0 ? ldexp(1, -ilogb((double)extent)) : 1;
-	for (size_t i = 0; i < 3 * s->count; i++)
-		search->scaled[i] = (float)((double)s->position[i] * search->scale);
+	float *scaled = gw_allocate_array(s->count, 3 * sizeof *scaled);
+	if (scaled) {
+		scale_positions(search, 0, s->count, scaled);
+		search->index = gw_neighbour_index_build(scaled, s->count, search->threads);
+	}
+	free(scaled);
+	return search->index;
+}
+
+static bool search_one(const gw_neighbours *search, size_t surfel, size_t k, int *found,
+					   float *squared)
+{
+	float query[3];
+	scale_positions(search, surfel, surfel + 1, query);
+	return gw_neighbour_index_search(search->index, query, 1, k, found, squared);
 }
 
 gw_status gw_neighbours_open(const gw_surfels *surfels, const gw_surfels_options *options,
@@ -132,15 +153,11 @@ gw_status gw_neighbours_open(const gw_surfels *surfels, const gw_surfels_options
 	s->threads = gw_thread_count(options->threads);
 	s->per_surfel = count > GW_NEIGHBOURS ? GW_NEIGHBOURS : (uint32_t)count - 1;
 	s->scratch = gw_allocate_array(s->threads, sizeof *s->scratch);
-	s->scaled = gw_allocate_array(count, 3 * sizeof *s->scaled);
 	uint64_t stored_bytes = count * (uint64_t)(GW_NEIGHBOURS * sizeof *s->stored);
 	if (!options->memory || stored_bytes <= options->memory - index_bytes)
 		s->stored = gw_allocate_array(count, GW_NEIGHBOURS * sizeof *s->stored);
-	if (s->scratch && s->scaled) {
-		scale_positions(s);
-		s->index = gw_neighbour_index_build(s->scaled, count);
-		s->scales = s->index ? gw_neighbour_scales_open(surfels, s->index, s->scale) : NULL;
-	}
+	if (s->scratch && build_index(s))
+		s->scales = gw_neighbour_scales_open(surfels, s->index, s->scale, s->threads);
 	if (!s->scales) {
 		gw_neighbours_close(s);
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the search tree of %zu points",
@@ -156,7 +173,6 @@ void gw_neighbours_close(gw_neighbours *search)
 		return;
 	gw_neighbour_index_free(search->index);
 	gw_neighbour_scales_close(search->scales);
-	free(search->scaled);
 	free(search->stored);
 	free(search->scratch);
 	free(search);
@@ -228,8 +244,7 @@ static bool search_wide(gw_neighbours *search, size_t surfel, wide_search *wide)
 	if (wide->count > 0 &&
 		distance_between(search->surfels, surfel, wide->centre) <= WIDE_SHARED * wide->reach)
 		return true;
-	if (!gw_neighbour_index_search(search->index, search->scaled + 3 * surfel, 1, k, found,
-								   squared)) {
+	if (!search_one(search, surfel, k, found, squared)) {
 		atomic_store(&search->out_of_memory, true);
 		return false;
 	}
@@ -430,6 +445,14 @@ static bool asks_to_stop(gw_neighbours *search)
 	return atomic_load(&search->stopped) || (o->cancelled && o->cancelled(o->user));
 }
 
+static bool search_chunk(const gw_neighbours *search, size_t first, size_t last,
+						 chunk_result *result)
+{
+	scale_positions(search, first, last, result->query);
+	return gw_neighbour_index_search(search->index, result->query, last - first,
+									 search->per_surfel + 1u, result->found, result->squared);
+}
+
 static void visit_chunk(void *user, size_t first, size_t last, uint32_t worker)
 {
 	const visit *v = user;
@@ -442,8 +465,7 @@ static void visit_chunk(void *user, size_t first, size_t last, uint32_t worker)
 	size_t k = search->per_surfel + 1u;
 	bool searching = !search->stored || !search->is_stored;
 	result->wide.count = 0;
-	if (searching && !gw_neighbour_index_search(search->index, search->scaled + 3 * first,
-												last - first, k, result->found, result->squared)) {
+	if (searching && !search_chunk(search, first, last, result)) {
 		atomic_store(&search->out_of_memory, true);
 		return;
 	}
@@ -534,9 +556,7 @@ static bool search_further(gw_neighbours *search, size_t surfel, size_t k, doubl
 {
 	int *found = gw_allocate_array(k, sizeof *found);
 	float *squared = gw_allocate_array(k, sizeof *squared);
-	bool good =
-		found && squared &&
-		gw_neighbour_index_search(search->index, search->scaled + 3 * surfel, 1, k, found, squared);
+	bool good = found && squared && search_one(search, surfel, k, found, squared);
 	*reach = 0;
 	for (size_t j = 0; good && j < k; j++) {
 		size_t other = (size_t)found[j];

@@ -33,9 +33,10 @@ double gw_neighbours_median_gap(const gw_surfels *surfels, const gw_neighbour_li
  * what is atomic. */
 typedef void gw_neighbours_visitor(void *user, size_t surfel, const gw_neighbour_list *list);
 
-/* Bytes a surfel that the search structure takes: scaled positions, FLANN's copy, row pointers,
- * order, nodes. Where options->memory allows no more, no lists are kept: for a single visit. */
-#define GW_NEIGHBOURS_TREE_BYTES 56u
+/* Bytes a surfel that the search structure takes while it is built: scaled positions; for good:
+ * FLANN's copy, its order and ours, nodes. Where options->memory allows no more, no lists are kept:
+ * for a single visit. */
+#define GW_NEIGHBOURS_TREE_BYTES 40u
 
 /*
  * Builds the search structure over surfels->position, which must stay unchanged until it is closed.

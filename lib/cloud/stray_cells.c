@@ -3,6 +3,7 @@
 
 #include "base/memory.h"
 #include "base/sorted_keys.h"
+#include "glowworm_host.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -15,6 +16,7 @@
 #define LOOKED_AT 512 /* surfels of which most have others in the cells around */
 #define LONELY 8      /* one of so many has not, at most */
 #define AROUND 27     /* cells: one and its neighbours */
+#define CHUNK 16384   /* surfels that a thread takes at a time */
 
 static double extent_of(const gw_surfels *s)
 {
@@ -24,25 +26,40 @@ static double extent_of(const gw_surfels *s)
 	return extent;
 }
 
-static uint64_t key_of(const gw_surfels *s, size_t surfel, double cells_per_metre)
+/* The keys of all surfels in the finest cells. */
+typedef struct finest_keys {
+	const gw_surfels *surfels;
+	double cells_per_metre;
+	uint64_t *key;
+} finest_keys;
+
+static void find_keys(void *user, size_t first, size_t last, uint32_t worker)
 {
-	const double last = (1 << GRID_BITS) - 1;
-	uint32_t cell[3];
-	for (size_t k = 0; k < 3; k++) {
-		double off = (double)s->position[3 * surfel + k] - (double)s->minimum[k];
-		cell[k] = (uint32_t)fmin(fmax(floor(off * cells_per_metre), 0), last);
+	const finest_keys *all = user;
+	const gw_surfels *s = all->surfels;
+	const double most = (1 << GRID_BITS) - 1;
+	(void)worker;
+	for (size_t i = first; i < last; i++) {
+		uint32_t cell[3];
+		for (size_t k = 0; k < 3; k++) {
+			double off = (double)s->position[3 * i + k] - (double)s->minimum[k];
+			double at = off * all->cells_per_metre;
+			cell[k] = at > 0 ? (uint32_t)(at < most ? at : most) : 0;
+		}
+		all->key[i] = gw_morton_encode(cell[0], cell[1], cell[2]);
 	}
-	return gw_morton_encode(cell[0], cell[1], cell[2]);
 }
 
-/* Number of cells of a level. */
-static size_t count_cells(const uint64_t *key, size_t count, int level)
+/* Number of cells of each level: one, and one more where keys differ in it. */
+static void count_cells(const uint64_t *key, size_t count, size_t cells[GRID_BITS + 1])
 {
-	int shift = 3 * (GRID_BITS - level);
-	size_t cells = count > 0;
+	for (int level = 0; level <= GRID_BITS; level++)
+		cells[level] = level == 0;
 	for (size_t i = 1; i < count; i++)
-		cells += key[i] >> shift != key[i - 1] >> shift;
-	return cells;
+		if (key[i] != key[i - 1])
+			cells[GRID_BITS - (63 - __builtin_clzll(key[i] ^ key[i - 1])) / 3]++;
+	for (int level = 1; level <= GRID_BITS; level++)
+		cells[level] += cells[level - 1];
 }
 
 static bool fill_cells(gw_stray_cells *cells, const uint64_t *key, size_t count)
@@ -168,29 +185,32 @@ static bool is_coarse_enough(const gw_stray_cells *cells, size_t surfels, size_t
 	return lonely <= looked / LONELY;
 }
 
-bool gw_stray_cells_make(const gw_surfels *s, size_t few, gw_stray_cells *cells)
+bool gw_stray_cells_make(const gw_surfels *s, size_t few, uint32_t threads, gw_stray_cells *cells)
 {
 	double extent = extent_of(s);
-	double per_metre = extent > 0 ? (double)((1 << GRID_BITS) - 1) / extent : 0;
-	uint64_t *key = gw_allocate_array(s->count, sizeof *key);
-	bool good = key != NULL, found = false;
+	finest_keys all = { s, extent > 0 ? (double)((1 << GRID_BITS) - 1) / extent : 0,
+						gw_allocate_array(s->count, sizeof *all.key) };
+	size_t of_level[GRID_BITS + 1];
+	bool good = all.key != NULL, found = false;
 	*cells = (gw_stray_cells){ .level = FINEST + 1 };
-	for (size_t i = 0; key && i < s->count; i++)
-		key[i] = key_of(s, i, per_metre);
+	if (good) {
+		gw_parallel_for(threads, s->count, CHUNK, find_keys, &all);
+		count_cells(all.key, s->count, of_level);
+	}
 	while (good && !found) {
 		free(cells->key);
 		free(cells->first);
 		cells->key = NULL;
 		cells->first = NULL;
 		cells->level--;
-		cells->count = count_cells(key, s->count, cells->level);
+		cells->count = of_level[cells->level];
 		if ((double)s->count < IN_A_CELL * (double)cells->count && cells->level > 0)
 			continue;
 		cells->width = ldexp(extent, -cells->level);
-		good = fill_cells(cells, key, s->count);
+		good = fill_cells(cells, all.key, s->count);
 		found = good && (cells->level == 0 || is_coarse_enough(cells, s->count, few));
 	}
-	free(key);
+	free(all.key);
 	return good;
 }
 

@@ -19,8 +19,10 @@ typedef struct gw_stray_cells {
 } gw_stray_cells;
 
 /* Sorts surfels, all within their bounds, into the smallest cells that do not leave many with no
- * more than a few in the cells around. False when memory is short; to be cleared in either case. */
-bool gw_stray_cells_make(const gw_surfels *surfels, size_t few, gw_stray_cells *cells);
+ * more than a few in the cells around; threads: 0 means one a processor. False when memory is
+ * short; to be cleared in either case. */
+bool gw_stray_cells_make(const gw_surfels *surfels, size_t few, uint32_t threads,
+						 gw_stray_cells *cells);
 void gw_stray_cells_clear(gw_stray_cells *cells);
 
 /* Do no more than a few surfels lie in a cell and the 26 around it? */

@@ -15,8 +15,11 @@
 #include "cloud/stray_mounts.h"
 
 #include <math.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
+
+#define CHUNK 256 /* cells or candidates that a thread takes at a time */
 
 #define CLOUD_LEAST 64 /* surfels: of fewer nobody knows what is usual */
 #define FEW_AROUND 6   /* surfels in a cell and those around it, itself among them */
@@ -63,16 +66,19 @@ static const double no_data[] = { -9999, 9999, -99999, 99999, -32768, 32767, -32
 
 typedef struct stray_step {
 	const gw_surfels *surfels;
+	uint32_t threads;
 	gw_stray_cells cells;
-	uint32_t *thin; /* thin_count surfels: those in sparse cells, one of each other */
+	uint8_t *sparse; /* a cell: has few around */
+	uint32_t *thin;  /* thin_count surfels: those in sparse cells, one of each other */
 	size_t thin_count;
 	uint32_t *candidate; /* candidate_count surfels; places in thin are the same order */
 	size_t *cell;        /* candidate_count, theirs */
 	size_t candidate_count;
-	float *scaled; /* 3 * thin_count */
-	double scale;  /* a power of two */
+	float *query; /* 3 * candidate_count */
+	double scale; /* a power of two */
 	gw_neighbour_index *index;
-	int *found; /* SEARCHED * candidate_count, places in thin */
+	atomic_bool failed; /* the search */
+	int *found;         /* SEARCHED * candidate_count, places in thin */
 	float *squared;
 	uint32_t *candidate_of; /* thin_count, 1 + place in candidate, 0: none */
 	double *plane;          /* 4 * candidate_count: normal and half thickness; 0: is on none */
@@ -179,19 +185,29 @@ gw_status gw_strays_hide(const gw_points *points, const gw_stray_marks *marks, d
 
 /* ----------------------------------------------------------------------------------- by place */
 
+static void find_sparse(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const stray_step *step = user;
+	(void)worker;
+	for (size_t cell = first; cell < last; cell++)
+		step->sparse[cell] = gw_stray_cells_few_around(&step->cells, cell, FEW_AROUND);
+}
+
 /* Sorts out the cells. */
 static bool take_candidates(stray_step *step)
 {
 	const gw_stray_cells *c = &step->cells;
+	step->sparse = gw_allocate_array(c->count, sizeof *step->sparse);
 	step->thin = gw_allocate_array(step->surfels->count, sizeof *step->thin);
 	step->candidate = gw_allocate_array(step->surfels->count, sizeof *step->candidate);
 	step->cell = gw_allocate_array(step->surfels->count, sizeof *step->cell);
 	step->candidate_of = gw_allocate_zeros(step->surfels->count, sizeof *step->candidate_of);
-	if (!step->thin || !step->candidate || !step->cell || !step->candidate_of)
+	if (!step->sparse || !step->thin || !step->candidate || !step->cell || !step->candidate_of)
 		return false;
+	gw_parallel_for(step->threads, c->count, CHUNK, find_sparse, step);
 	for (size_t cell = 0; cell < c->count; cell++) {
 		size_t first = c->first[cell], end = c->first[cell + 1];
-		bool few = gw_stray_cells_few_around(c, cell, FEW_AROUND);
+		bool few = step->sparse[cell] > 0;
 		bool all = few || end - first <= FEW_IN_CELL;
 		for (size_t i = first; i < (all ? end : first + 1); i++) {
 			if (few) {
@@ -205,7 +221,27 @@ static bool take_candidates(stray_step *step)
 	return true;
 }
 
-/* Positions times a power of two, as in neighbours.c. */
+/* Positions of some surfels times a power of two, as in neighbours.c. */
+static float *scaled_positions(const stray_step *step, const uint32_t *surfel, size_t count)
+{
+	float *scaled = gw_allocate_array(count, 3 * sizeof *scaled);
+	for (size_t i = 0; scaled && i < 3 * count; i++)
+		scaled[i] = (float)((double)step->surfels->position[3 * (size_t)surfel[i / 3] + i % 3] *
+							step->scale);
+	return scaled;
+}
+
+static void search_some(void *user, size_t first, size_t last, uint32_t worker)
+{
+	stray_step *step = user;
+	(void)worker;
+	if (!atomic_load(&step->failed) &&
+		!gw_neighbour_index_search(step->index, step->query + 3 * first, last - first, SEARCHED,
+								   step->found + SEARCHED * first,
+								   step->squared + SEARCHED * first))
+		atomic_store(&step->failed, true);
+}
+
 static bool search(stray_step *step)
 {
 	const gw_surfels *s = step->surfels;
@@ -214,22 +250,16 @@ static bool search(stray_step *step)
 		extent = fmaxf(extent, s->maximum[k] - s->minimum[k]);
 	step->scale = extent > 0 ? ldexp(1, -ilogb((double)extent)) : 1;
 	size_t n = step->candidate_count;
-	float *query = gw_allocate_array(n, 3 * sizeof *query);
-	step->scaled = gw_allocate_array(step->thin_count, 3 * sizeof *step->scaled);
+	step->query = scaled_positions(step, step->candidate, n);
+	float *scaled = scaled_positions(step, step->thin, step->thin_count);
 	step->found = gw_allocate_array(n, SEARCHED * sizeof *step->found);
 	step->squared = gw_allocate_array(n, SEARCHED * sizeof *step->squared);
-	bool good = query && step->scaled && step->found && step->squared;
-	for (size_t i = 0; good && i < 3 * step->thin_count; i++)
-		step->scaled[i] =
-			(float)((double)s->position[3 * (size_t)step->thin[i / 3] + i % 3] * step->scale);
-	for (size_t i = 0; good && i < 3 * n; i++)
-		query[i] =
-			(float)((double)s->position[3 * (size_t)step->candidate[i / 3] + i % 3] * step->scale);
-	step->index = good ? gw_neighbour_index_build(step->scaled, step->thin_count) : NULL;
-	good = step->index &&
-		   gw_neighbour_index_search(step->index, query, n, SEARCHED, step->found, step->squared);
-	free(query);
-	return good;
+	if (scaled)
+		step->index = gw_neighbour_index_build(scaled, step->thin_count, step->threads);
+	free(scaled);
+	atomic_store(&step->failed, !step->index || !step->query || !step->found || !step->squared);
+	gw_parallel_for(step->threads, n, CHUNK, search_some, step);
+	return !atomic_load(&step->failed);
 }
 
 /* The neighbours of a candidate relative to it, metres. */
@@ -594,7 +624,7 @@ static bool judge_islands(stray_step *step)
 }
 
 /* Finds those alone among the candidates. */
-static bool judge(stray_step *step, uint32_t threads)
+static bool judge(stray_step *step)
 {
 	size_t n = step->candidate_count;
 	step->plane = gw_allocate_zeros(n, 4 * sizeof *step->plane);
@@ -602,10 +632,10 @@ static bool judge(stray_step *step, uint32_t threads)
 	step->alone = gw_allocate_zeros(n, sizeof *step->alone);
 	if (!step->plane || !step->asked || !step->alone || !search(step))
 		return false;
-	gw_parallel_for(threads, n, 256, judge_far_off, step);
+	gw_parallel_for(step->threads, n, CHUNK, judge_far_off, step);
 	ask_for_planes(step);
-	gw_parallel_for(threads, n, 256, find_planes, step);
-	gw_parallel_for(threads, n, 256, judge_planes, step);
+	gw_parallel_for(step->threads, n, CHUNK, find_planes, step);
+	gw_parallel_for(step->threads, n, CHUNK, judge_planes, step);
 	return judge_islands(step);
 }
 
@@ -674,23 +704,24 @@ void gw_strays_clear(gw_stray_marks *marks)
 gw_status gw_strays_mark_alone(const gw_points *points, const gw_surfels_options *options,
 							   const gw_surfels *surfels, gw_stray_marks *marks, gw_error *error)
 {
-	stray_step step = { .surfels = surfels };
+	stray_step step = { .surfels = surfels, .threads = options->threads };
 	if (points->keep_strays || marks->sparse || surfels->count < CLOUD_LEAST)
 		return GW_OK;
 	uint8_t *stray = gw_allocate_zeros(surfels->count, 1);
 	step.far = gw_allocate_zeros(surfels->count, 1);
 	if (step.far)
 		recall_far(marks, &step);
-	bool good = stray && step.far && gw_stray_cells_make(surfels, FEW_AROUND, &step.cells) &&
+	bool good = stray && step.far &&
+				gw_stray_cells_make(surfels, FEW_AROUND, step.threads, &step.cells) &&
 				take_candidates(&step);
 	bool enough = step.candidate_count > 0 && step.thin_count > SEARCHED;
-	good = good && (!enough || judge(&step, options->threads)) && keep_far(&step, marks);
+	good = good && (!enough || judge(&step)) && keep_far(&step, marks);
 	if (good && enough)
 		mark_points(&step, points, stray, marks);
 	gw_neighbour_index_free(step.index);
-	void *owned[] = { step.thin,  step.candidate, step.cell,    step.scaled,
-					  step.found, step.plane,     step.squared, step.candidate_of,
-					  step.asked, step.alone,     stray,        step.far };
+	void *owned[] = { step.sparse,       step.thin,  step.candidate, step.cell,  step.query,
+					  step.found,        step.plane, step.asked,     step.alone, step.squared,
+					  step.candidate_of, stray,      step.far };
 	for (size_t i = 0; i < sizeof owned / sizeof *owned; i++)
 		free(owned[i]);
 	gw_stray_cells_clear(&step.cells);

@@ -300,7 +300,8 @@ static bool measure(float *local, size_t count, density *d)
 	int found[NEIGHBOURS];
 	float squared[NEIGHBOURS];
 	size_t asked = 0;
-	gw_neighbour_index *index = count > NEIGHBOURS ? gw_neighbour_index_build(local, count) : NULL;
+	gw_neighbour_index *index =
+		count > NEIGHBOURS ? gw_neighbour_index_build(local, count, 1) : NULL;
 	for (size_t i = 0; i < count && index && asked < 2 * PLACES_MOST; i++) {
 		if (!is_chosen(i, count, PLACES_MOST, 2))
 			continue;

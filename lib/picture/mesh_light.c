@@ -252,13 +252,13 @@ static void light_triangles(void *user, size_t first, size_t last, uint32_t work
 	}
 }
 
-/* A search over places that are given one by one; `scaled` is to be freed after the index. */
+/* A search over places that are given one by one; they are scaled. */
 static bool open_index(lighting *l, float *scaled, size_t count, uint32_t most)
 {
 	for (size_t i = 0; i < 3 * count; i++)
 		scaled[i] *= l->scale;
 	l->k = count < most ? (uint32_t)count : most;
-	l->index = gw_neighbour_index_build(scaled, count);
+	l->index = gw_neighbour_index_build(scaled, count, l->threads);
 	return l->index != NULL;
 }
 

@@ -69,7 +69,7 @@ gw_status peer_discs_neighbours(peer_discs *d, size_t neighbours, gw_error *erro
 	if (!d->neighbour)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for neighbours");
 	s.position = d->surfels.position;
-	gw_neighbour_index *index = gw_neighbour_index_build(s.position, count);
+	gw_neighbour_index *index = gw_neighbour_index_build(s.position, count, 0);
 	s.index = index;
 	if (index)
 		gw_parallel_for(0, count, CHUNK, search_some, &s);

@@ -272,7 +272,7 @@ static void order_and_threads_change_no_bit(void **state)
 	gw_points points = points_of(&c);
 	gw_surfels one = make_with(&points, &(gw_surfels_options){ .threads = 1 });
 	gw_surfels three = make_with(&points, &(gw_surfels_options){ .threads = 3 });
-	/* 32 bytes a point is enough to sort, 56 + 64 would be needed to keep the neighbour lists. */
+	/* 32 bytes a point is enough to sort, 40 + 64 would be needed to keep the neighbour lists. */
 	gw_surfels small = make_with(&points, &(gw_surfels_options){ .memory = 5000 * 60 });
 	assert_same_surfels(&one, &three);
 	assert_same_surfels(&one, &small);
@@ -2132,7 +2132,7 @@ static void stopping_and_small_memory_leave_nothing(void **state)
 	assert_int_equal(asked, 1);
 	assert_true(s.count == 0 && !s.position && !s.surfel_of_point);
 
-	const uint64_t memory[2] = { 1000, 3000 * 40 }; /* too little to sort; to search */
+	const uint64_t memory[2] = { 1000, 3000 * 36 }; /* too little to sort; to search */
 	for (int t = 0; t < 2; t++) {
 		options = (gw_surfels_options){ .memory = memory[t] };
 		assert_int_equal(gw_surfels_make(&points, &options, &s, &error), GW_ERROR_MEMORY);
