@@ -29,7 +29,7 @@ typedef int32_t int_lanes __attribute__((vector_size(16)));
 
 /* ------------------------------------------------------------------------------------ opening */
 
-gw_status gw_check_discs_open(gw_gpu *gpu, const gw_octree *octree, const gw_surfels *s,
+gw_status gw_check_discs_open(const gw_passes *passes, const gw_octree *octree, const gw_surfels *s,
 							  gw_check_discs *discs, gw_error *error)
 {
 	uint64_t bytes = 16 * (uint64_t)s->count;
@@ -41,11 +41,11 @@ gw_status gw_check_discs_open(gw_gpu *gpu, const gw_octree *octree, const gw_sur
 							   .count = s->count,
 							   .cell = octree->leaf_size,
 							   .sheet = s->transparency ? octree->leaf_size : 0.0f };
-	gw_status status = gw_view_open(gpu, &octree->surfel_disc, bytes, &discs->size, error);
+	gw_status status = gw_view_open(passes->gpu, &octree->surfel_disc, bytes, &discs->size, error);
 	if (status == GW_OK)
-		status = gw_view_open(gpu, &octree->surfel_clip, bytes, &discs->clip, error);
+		status = gw_view_open(passes->gpu, &octree->surfel_clip, bytes, &discs->clip, error);
 	if (status == GW_OK)
-		status = gw_check_tree_make(s, LARGE, tree, error);
+		status = gw_check_tree_make(s, LARGE, passes->threads, tree, error);
 	if (status != GW_OK)
 		gw_check_discs_close(discs);
 	return status;

@@ -11,6 +11,7 @@
 #define CHECK_DISCS_H
 
 #include "base/shader_math.h"
+#include "device/passes.h"
 #include "estimate/check_tree.h"
 #include "octree/octree.h"
 
@@ -32,8 +33,8 @@ typedef struct gw_check_discs {
  *   discs   closed, with a tree that is empty or of these surfels; or from an earlier call with the
  *           same of these. On success to be closed by the caller; on failure it is closed
  */
-gw_status gw_check_discs_open(gw_gpu *gpu, const gw_octree *octree, const gw_surfels *surfels,
-							  gw_check_discs *discs, gw_error *error);
+gw_status gw_check_discs_open(const gw_passes *passes, const gw_octree *octree,
+							  const gw_surfels *surfels, gw_check_discs *discs, gw_error *error);
 void gw_check_discs_close(gw_check_discs *discs); /* not the tree */
 
 /* One ray, in the local frame of the surfels. */

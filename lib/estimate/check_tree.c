@@ -6,6 +6,7 @@
 
 #include "base/memory.h"
 #include "base/shader_math.h"
+#include "glowworm_host.h"
 #include "light/transport_layout.h"
 
 #include <math.h>
@@ -30,8 +31,16 @@ typedef struct building {
 	float reach; /* of discs, in radii of the surfels */
 	place *place;
 	gw_check_node *node;
-	uint32_t nodes;
+	struct branch *branch; /* branches at the top of the tree, each after the one that it is of */
+	size_t branches, done;
 } building;
+
+/* The discs below a child of a node. */
+typedef struct branch {
+	size_t first, last;
+	uint32_t number;       /* of their node, and those below it have the next ones */
+	uint32_t parent, lane; /* whose box is theirs */
+} branch;
 
 static box empty_box(void)
 {
@@ -127,27 +136,52 @@ static uint32_t leaf_of(size_t first, size_t last)
 						: GW_NONE;
 }
 
-/* Adds the node of a range, and those below it; returns its box. */
-static box add_node(building *b, size_t first, size_t last, uint32_t *number)
+static void join_box(box *all, const box *part)
+{
+	for (int k = 0; k < 3; k++) {
+		all->low[k] = gw_smaller(all->low[k], part->low[k]);
+		all->high[k] = gw_larger(all->high[k], part->high[k]);
+	}
+}
+
+static void set_box(gw_check_node *node, size_t lane, const box *part)
+{
+	for (int k = 0; k < 3; k++) {
+		node->low[k][lane] = part->low[k];
+		node->high[k][lane] = part->high[k];
+	}
+}
+
+/* Shares a range out to four. */
+static void quarter(building *b, size_t first, size_t last, size_t from[5])
+{
+	from[0] = first;
+	from[2] = halve(b, first, last);
+	from[1] = halve(b, first, from[2]);
+	from[3] = halve(b, from[2], last);
+	from[4] = last;
+}
+
+static bool is_leaf(size_t first, size_t last)
+{
+	return last - first <= LEAF_DISCS;
+}
+
+/* Adds the node of a range, and those below it; returns its box.
+ *   next   the number of the node, if there is one; receives the first that is free */
+static box add_node(building *b, size_t first, size_t last, uint32_t *next)
 {
 	box all = empty_box();
-	if (last - first <= LEAF_DISCS) {
-		*number = leaf_of(first, last);
+	size_t from[5];
+	if (is_leaf(first, last))
 		return box_of_discs(b, first, last);
-	}
-	size_t middle = halve(b, first, last);
-	size_t from[5] = { first, halve(b, first, middle), middle, halve(b, middle, last), last };
-	uint32_t own = *number = b->nodes++;
+	gw_check_node *own = b->node + (*next)++;
+	quarter(b, first, last, from);
 	for (size_t c = 0; c < 4; c++) {
-		uint32_t child;
-		box part = add_node(b, from[c], from[c + 1], &child);
-		b->node[own].child[c] = child;
-		for (int k = 0; k < 3; k++) {
-			b->node[own].low[k][c] = part.low[k];
-			b->node[own].high[k][c] = part.high[k];
-			all.low[k] = gw_smaller(all.low[k], part.low[k]);
-			all.high[k] = gw_larger(all.high[k], part.high[k]);
-		}
+		own->child[c] = is_leaf(from[c], from[c + 1]) ? leaf_of(from[c], from[c + 1]) : *next;
+		box part = add_node(b, from[c], from[c + 1], next);
+		set_box(own, c, &part);
+		join_box(&all, &part);
 	}
 	return all;
 }
@@ -161,6 +195,79 @@ size_t gw_check_tree_nodes(size_t count)
 		   gw_check_tree_nodes(high / 2) + gw_check_tree_nodes(high - high / 2);
 }
 
+/* Branches of some levels at the top are made on their own, those of a level side by side. */
+#define TOP_LEVELS 3
+#define BRANCHES_MOST (1 + 4 + 16 + 64)
+
+/* Makes the node of a branch, of which four others come. */
+static void fork_branch(building *b, const branch *own, branch *four)
+{
+	size_t from[5];
+	uint32_t next = own->number + 1;
+	quarter(b, own->first, own->last, from);
+	for (uint32_t c = 0; c < 4; c++) {
+		bool leaf = is_leaf(from[c], from[c + 1]);
+		b->node[own->number].child[c] = leaf ? leaf_of(from[c], from[c + 1]) : next;
+		four[c] = (branch){ from[c], from[c + 1], next, own->number, c };
+		next += (uint32_t)gw_check_tree_nodes(from[c + 1] - from[c]);
+	}
+}
+
+static void fork_branches(void *user, size_t first, size_t last, uint32_t worker)
+{
+	building *b = user;
+	(void)worker;
+	for (size_t i = first; i < last; i++)
+		fork_branch(b, &b->branch[b->done + i], &b->branch[b->branches + 4 * i]);
+}
+
+static void fill_branches(void *user, size_t first, size_t last, uint32_t worker)
+{
+	building *b = user;
+	(void)worker;
+	for (size_t i = first; i < last; i++) {
+		const branch *own = &b->branch[b->done + i];
+		uint32_t next = own->number;
+		box part = add_node(b, own->first, own->last, &next);
+		set_box(&b->node[own->parent], own->lane, &part);
+	}
+}
+
+/* The boxes of branches that were forked, the last one first. */
+static void join_branches(building *b)
+{
+	for (size_t i = b->done; i-- > 1;) {
+		const branch *own = &b->branch[i];
+		const gw_check_node *node = &b->node[own->number];
+		box all = empty_box();
+		for (int c = 0; c < 4; c++)
+			for (int k = 0; k < 3; k++) {
+				all.low[k] = gw_smaller(all.low[k], node->low[k][c]);
+				all.high[k] = gw_larger(all.high[k], node->high[k][c]);
+			}
+		set_box(&b->node[own->parent], own->lane, &all);
+	}
+}
+
+/* Adds all nodes of so many discs, more than a leaf takes. */
+static void add_nodes(building *b, size_t count, uint32_t threads)
+{
+	branch branches[BRANCHES_MOST] = { { .last = count } };
+	b->branch = branches;
+	b->branches = 1;
+	for (int level = 0; level < TOP_LEVELS; level++) {
+		size_t of_level = b->branches - b->done;
+		if (is_leaf(0, count >> 2 * level))
+			break;
+		gw_parallel_for(threads, of_level, 1, fork_branches, b);
+		b->done = b->branches;
+		b->branches += 4 * of_level;
+	}
+	gw_parallel_for(threads, b->branches - b->done, 1, fill_branches, b);
+	join_branches(b);
+	b->branch = NULL;
+}
+
 static void list_places(const gw_surfels *s, place *p)
 {
 	for (size_t i = 0; i < s->count; i++) {
@@ -169,24 +276,26 @@ static void list_places(const gw_surfels *s, place *p)
 	}
 }
 
-gw_status gw_check_tree_make(const gw_surfels *s, float reach, gw_check_tree *tree, gw_error *error)
+gw_status gw_check_tree_make(const gw_surfels *s, float reach, uint32_t threads,
+							 gw_check_tree *tree, gw_error *error)
 {
 	if (tree->surfel)
 		return GW_OK;
+	size_t nodes = gw_check_tree_nodes(s->count);
 	building b = { .surfels = s,
 				   .reach = reach,
 				   .place = gw_allocate_array(s->count, sizeof *b.place) };
 	tree->surfel = gw_allocate_array(s->count, sizeof *tree->surfel);
-	tree->node = b.node = gw_allocate_array(gw_check_tree_nodes(s->count), sizeof *b.node);
+	tree->node = b.node = gw_allocate_array(nodes, sizeof *b.node);
 	if (!b.place || !tree->surfel || !b.node || s->count > GW_CHECK_DISCS_MOST) {
 		free(b.place);
 		gw_check_tree_clear(tree);
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the discs of %zu points", s->count);
 	}
 	list_places(s, b.place);
-	uint32_t root;
-	add_node(&b, 0, s->count, &root);
-	tree->nodes = b.nodes;
+	if (nodes > 0)
+		add_nodes(&b, s->count, threads);
+	tree->nodes = (uint32_t)nodes;
 	for (size_t i = 0; i < s->count; i++)
 		tree->surfel[i] = b.place[i].surfel;
 	free(b.place);

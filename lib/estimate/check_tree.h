@@ -31,11 +31,12 @@ typedef struct gw_check_tree {
 
 /*
  * Makes the tree, unless it is made already.
- *   reach   radius of the discs, in that of the surfels
- *   tree    empty, or of the same surfels; to be cleared by the caller; on failure it is empty
+ *   reach     radius of the discs, in that of the surfels
+ *   threads   0 means one a processor
+ *   tree      empty, or of the same surfels; to be cleared by the caller; on failure it is empty
  */
-gw_status gw_check_tree_make(const gw_surfels *surfels, float reach, gw_check_tree *tree,
-							 gw_error *error);
+gw_status gw_check_tree_make(const gw_surfels *surfels, float reach, uint32_t threads,
+							 gw_check_tree *tree, gw_error *error);
 
 /* Nodes of the tree of so many discs: its shape follows from their number. */
 size_t gw_check_tree_nodes(size_t count);

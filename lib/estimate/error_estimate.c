@@ -555,9 +555,9 @@ static bool is_geometry_checked(const gw_estimate_task *task, double mean)
  * before what else is needed then. */
 static gw_status open_discs(const gw_estimate_task *task, double mean, gw_error *error)
 {
-	return is_geometry_checked(task, mean) ? gw_check_discs_open(task->passes->gpu, task->octree,
-																 task->surfels, task->discs, error)
-										   : GW_OK;
+	return is_geometry_checked(task, mean)
+			   ? gw_check_discs_open(task->passes, task->octree, task->surfels, task->discs, error)
+			   : GW_OK;
 }
 
 /* What the geometry by itself says. *facet_radiance is gone when nothing reads it any more. */

@@ -362,7 +362,7 @@ static gw_status follow_lamps(work *w, gw_error *error)
 	double sent = 0.0, lost = 0.0;
 	if (!(w->of_lamps > 0.0) || !t->direct)
 		return GW_OK;
-	GW_TRY(gw_check_discs_open(t->on.passes->gpu, t->on.octree, t->surfels, t->discs, error));
+	GW_TRY(gw_check_discs_open(t->on.passes, t->on.octree, t->surfels, t->discs, error));
 	for (size_t i = 0; i < t->light_count; i++) {
 		if (!gw_light_shines(&t->lights[i]))
 			continue;
@@ -442,7 +442,7 @@ static gw_status follow_emitters(work *w, gw_error *error)
 	uint32_t number = 0;
 	if (!gw_surfels_emit(s) || !w->guessed)
 		return GW_OK;
-	GW_TRY(gw_check_discs_open(t->on.passes->gpu, t->on.octree, s, t->discs, error));
+	GW_TRY(gw_check_discs_open(t->on.passes, t->on.octree, s, t->discs, error));
 	for (size_t i = 0; i < s->count; i++)
 		power += gw_emitted_power(s, i);
 	for (size_t i = 0; i < s->count; i++) {

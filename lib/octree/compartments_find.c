@@ -171,7 +171,7 @@ static gw_status find_in_own_cells(gw_gpu *gpu, const gw_surfels *surfels, uint3
 	if (status == GW_OK)
 		status = gw_compartments_find_necks(gpu, octree, surfels, c, error);
 	if (status == GW_OK)
-		status = gw_compartments_join(gpu, octree, surfels->count, c, error);
+		status = gw_compartments_join(gpu, octree, surfels->count, threads, c, error);
 	if (status == GW_OK && is_any_apart(c, root))
 		status = gw_compartments_find_sides(gpu, octree, surfels->count, threads, c, error);
 	if (status == GW_OK && c->sides != NULL)

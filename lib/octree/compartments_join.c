@@ -13,8 +13,10 @@
 #include "octree/compartments_steps.h"
 
 #include "base/memory.h"
+#include "glowworm_host.h"
 
 #include <math.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -24,6 +26,7 @@
 /* Leaf cells: how far from a surfel it is looked what lies before and behind it, in steps. */
 #define STEP 0.5f
 #define STEPS 6
+#define CHUNK 4096 /* surfels that a thread takes at a time */
 
 /* Of an empty cell. */
 enum reached { WIDE, NARROW, REACHED, QUEUED };
@@ -36,7 +39,8 @@ typedef struct pair {
 typedef struct joining {
 	gw_compartments *c;
 	uint8_t *reached; /* cells + 1 */
-	bool first;       /* is it the first walk? */
+	uint32_t threads;
+	bool first; /* is it the first walk? */
 	/* What the second one finds: a cell of them is narrow still, or they are of two compartments.
 	 */
 	pair *pair;
@@ -239,32 +243,38 @@ static uint32_t look(const gw_compartments *c, const float *from, const float *w
 	return label;
 }
 
-/* Counts the surfels that face a label, and those that show it their back.
- *   looks   2 a label */
-static void look_around(const gw_compartments *c, const gw_view view[3], size_t surfels,
-						uint32_t *looks)
+typedef struct looking {
+	const gw_compartments *c;
+	const float *place, *normal, *size;
+	_Atomic uint32_t *looks; /* 2 a label */
+} looking;
+
+/* Counts the surfels that face a label, and those that show it their back. */
+static void look_around(void *user, size_t first, size_t last, uint32_t worker)
 {
-	const float *place = view[0].bytes, *normal = view[1].bytes, *size = view[2].bytes;
-	for (size_t i = 0; i < surfels; i++) {
-		const float *n = normal + 4 * i, back[3] = { -n[0], -n[1], -n[2] };
-		float radius = size[4 * i];
+	const looking *l = user;
+	(void)worker;
+	for (size_t i = first; i < last; i++) {
+		const float *n = l->normal + 4 * i, back[3] = { -n[0], -n[1], -n[2] };
+		float radius = l->size[4 * i];
 		float step = STEP * (radius < GW_SPARSE_RADIUS ? 1.0f : exp2f(floorf(log2f(radius))));
-		uint32_t before = look(c, place + 4 * i, n, step);
-		uint32_t behind = look(c, place + 4 * i, back, step);
+		uint32_t before = look(l->c, l->place + 4 * i, n, step);
+		uint32_t behind = look(l->c, l->place + 4 * i, back, step);
 		if (before != GW_COMPARTMENT_UNKNOWN)
-			looks[2 * (size_t)before]++;
+			atomic_fetch_add_explicit(&l->looks[2 * (size_t)before], 1, memory_order_relaxed);
 		if (behind != GW_COMPARTMENT_UNKNOWN)
-			looks[2 * (size_t)behind + (n[3] > 0.5f ? 0 : 1)]++;
+			atomic_fetch_add_explicit(&l->looks[2 * (size_t)behind + (n[3] > 0.5f ? 0 : 1)], 1,
+									  memory_order_relaxed);
 	}
 }
 
-static bool is_rock(const uint32_t *looks, uint32_t label)
+static bool is_rock(const _Atomic uint32_t *looks, uint32_t label)
 {
 	return BACKS_TO_ROCK * looks[2 * (size_t)label] < looks[2 * (size_t)label + 1];
 }
 
 /* Joins what meets in necks, but for rock with anything else. */
-static void join_necks(joining *j, const uint32_t *looks)
+static void join_necks(joining *j, const _Atomic uint32_t *looks)
 {
 	uint32_t *label = j->c->label;
 	for (size_t i = 0; i < j->pairs; i++) {
@@ -280,14 +290,15 @@ static gw_status look_at_necks(gw_gpu *gpu, const gw_octree *o, size_t surfels, 
 {
 	const gw_buffer *const buffer[3] = { &o->surfel_position, &o->surfel_normal, &o->surfel_disc };
 	gw_view view[3] = { 0 };
-	uint32_t *looks = gw_allocate_zeros((size_t)j->c->cells + 1, 2 * sizeof *looks);
+	_Atomic uint32_t *looks = gw_allocate_zeros((size_t)j->c->cells + 1, 2 * sizeof *looks);
 	gw_status status =
 		looks ? GW_OK
 			  : gw_fail(error, GW_ERROR_MEMORY, "no memory for what %u cells face", j->c->cells);
 	for (int i = 0; i < 3 && status == GW_OK; i++)
 		status = gw_view_open(gpu, buffer[i], 16 * (uint64_t)surfels, &view[i], error);
 	if (status == GW_OK) {
-		look_around(j->c, view, surfels, looks);
+		looking l = { j->c, view[0].bytes, view[1].bytes, view[2].bytes, looks };
+		gw_parallel_for(j->threads, surfels, CHUNK, look_around, &l);
 		join_necks(j, looks);
 	}
 	for (int i = 0; i < 3; i++)
@@ -332,10 +343,10 @@ static void begin(joining *j)
 }
 
 gw_status gw_compartments_join(gw_gpu *gpu, const gw_octree *octree, size_t surfels,
-							   gw_compartments *c, gw_error *error)
+							   uint32_t threads, gw_compartments *c, gw_error *error)
 {
 	uint64_t cells = c->first + 8 * (uint64_t)octree->leaf_tile_count;
-	joining j = { .c = c };
+	joining j = { .c = c, .threads = threads };
 	if (cells < GW_COMPARTMENT_UNKNOWN) {
 		c->label = gw_allocate_array(cells + 1, sizeof *c->label);
 		j.reached = gw_allocate_array(cells + 1, sizeof *j.reached);

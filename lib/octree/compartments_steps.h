@@ -141,7 +141,7 @@ gw_status gw_compartments_find_necks(gw_gpu *gpu, const gw_octree *octree,
 
 /* Fills in c->label: the same number for all cells that are joined. */
 gw_status gw_compartments_join(gw_gpu *gpu, const gw_octree *octree, size_t surfels,
-							   gw_compartments *c, gw_error *error);
+							   uint32_t threads, gw_compartments *c, gw_error *error);
 
 /* Fills in c->sides, or leaves it empty. */
 gw_status gw_compartments_find_sides(gw_gpu *gpu, const gw_octree *octree, size_t surfels,

@@ -36,7 +36,7 @@ static gw_check_tree make(const cloud *c)
 {
 	gw_error error = { 0 };
 	gw_check_tree tree = { .surfel = NULL };
-	assert_int_equal(gw_check_tree_make(&c->surfels, REACH, &tree, &error), GW_OK);
+	assert_int_equal(gw_check_tree_make(&c->surfels, REACH, 0, &tree, &error), GW_OK);
 	assert_int_equal(tree.nodes, gw_check_tree_nodes(c->surfels.count));
 	assert_true(gw_check_tree_fits(&tree, c->surfels.count));
 	return tree;
