@@ -1,6 +1,7 @@
 /* parted_result.c - see parted_result.h. */
 #include "result/parted_result.h"
 
+#include "glowworm_host.h"
 #include "points/format.h"
 #include "program/signals.h"
 #include "result/lit_scan.h"
@@ -14,10 +15,13 @@
 /* Seconds after which what was written is handed to the disk. */
 #define SYNC_SECONDS 1
 
-/* A part and its light. */
+/* A part, and its light once it is lit. */
 typedef struct lit_part {
+	uint64_t number;
 	loaded_scene scene;
 	gw_bake_result *light;
+	gw_status status; /* of reading it */
+	gw_error error;
 } lit_part;
 
 static void clear(lit_part *p)
@@ -26,29 +30,94 @@ static void clear(lit_part *p)
 	loaded_scene_clear_part(&p->scene);
 }
 
-/* To be cleared also on failure. */
-static gw_status light_part(const parted_result *r, uint64_t number, lit_part *p, gw_error *error)
+/* To be cleared also on failure, which lighting it tells. */
+static void read_part(const parted_result *r, uint64_t number, lit_part *p)
 {
-	*p = (lit_part){ .light = NULL };
-	GW_TRY(loaded_scene_read_part(r->settings, r->scene, number, &p->scene, error));
+	*p = (lit_part){ .number = number };
+	p->status = loaded_scene_read_part(r->settings, r->scene, number, &p->scene, &p->error);
+}
+
+static gw_status light_part(const parted_result *r, lit_part *p, gw_error *error)
+{
+	if (p->status != GW_OK) {
+		*error = p->error;
+		return p->status;
+	}
 	glossy_points_apply(r->settings, &p->scene);
 	GW_TRY(gw_lit_surface_light(r->surface, &p->scene.points.points, &p->light, error));
 	return signals_check(error);
+}
+
+static gw_status make_lit_scan(const parted_result *r, lit_part *p, const settings *s, scan *lit,
+							   gw_error *error)
+{
+	double exposure;
+	*lit = (scan){ 0 };
+	gw_status status = light_part(r, p, error);
+	if (status == GW_OK)
+		status = lit_scan_make(&p->scene, p->light, s, lit, &exposure, error);
+	if (status != GW_OK)
+		scan_clear(lit);
+	return status;
 }
 
 gw_status parted_result_light_part(const parted_result *r, uint64_t number, const settings *s,
 								   scan *lit, gw_error *error)
 {
 	lit_part p;
-	double exposure;
-	*lit = (scan){ 0 };
-	gw_status status = light_part(r, number, &p, error);
-	if (status == GW_OK)
-		status = lit_scan_make(&p.scene, p.light, s, lit, &exposure, error);
-	if (status != GW_OK)
-		scan_clear(lit);
+	read_part(r, number, &p);
+	gw_status status = make_lit_scan(r, &p, s, lit, error);
 	clear(&p);
 	return status;
+}
+
+/* What is done with one part after the other. */
+typedef gw_status part_use(void *user, lit_part *part, gw_error *error);
+
+/* One part is used while the next one is read. */
+typedef struct turn {
+	const parted_result *result;
+	part_use *use;
+	void *user;
+	lit_part own, next;
+	uint64_t next_number;
+	gw_status status;
+	gw_error *error;
+} turn;
+
+static void take_turn(void *user, size_t first, size_t last, uint32_t worker)
+{
+	turn *t = user;
+	(void)worker;
+	for (size_t i = first; i < last; i++)
+		if (i == 0)
+			t->status = t->use(t->user, &t->own, t->error);
+		else
+			read_part(t->result, t->next_number, &t->next);
+}
+
+/* The number of the next part that is wanted, from one on; all of them: there is none. */
+typedef uint64_t part_choice(void *user, uint64_t from);
+
+/* Uses all parts that are wanted. */
+static gw_status for_parts(const parted_result *r, part_choice *choose, part_use *use, void *user,
+						   gw_error *error)
+{
+	uint64_t parts = parted_cloud_parts(r->scene->parted), number = choose(user, 0);
+	uint32_t threads = gw_thread_count(r->settings->bake.threads);
+	turn t = { .result = r, .use = use, .user = user, .error = error };
+	if (number < parts)
+		read_part(r, number, &t.own);
+	while (number < parts && t.status == GW_OK) {
+		t.next_number = choose(user, number + 1);
+		gw_parallel_for(threads < 2 ? 1 : 2, t.next_number < parts ? 2 : 1, 1, take_turn, &t);
+		clear(&t.own);
+		t.own = t.next;
+		t.next = (lit_part){ .number = parts };
+		number = t.next_number;
+	}
+	clear(&t.own);
+	return t.status;
 }
 
 /* ------------------------------------------------------------------------------------ the light */
@@ -73,16 +142,22 @@ gw_status parted_result_load(const loaded_scene *scene, gw_bake_result **light, 
 	return status;
 }
 
-static gw_status measure(parted_result *r, gw_error *error)
+static uint64_t choose_some(void *user, uint64_t from)
 {
+	const parted_result *r = user;
 	uint64_t parts = parted_cloud_parts(r->scene->parted);
 	uint64_t step = parts > PARTS_MEASURED ? parts / PARTS_MEASURED : 1;
-	for (uint64_t number = 0; number < parts; number += step) {
-		lit_part p;
-		gw_status status = light_part(r, number, &p, error);
-		clear(&p);
-		GW_TRY(status);
-	}
+	return (from + step - 1) / step * step;
+}
+
+static gw_status light_only(void *user, lit_part *part, gw_error *error)
+{
+	return light_part(user, part, error);
+}
+
+static gw_status measure(parted_result *r, gw_error *error)
+{
+	GW_TRY(for_parts(r, choose_some, light_only, r, error));
 	gw_lit_surface_report(r->surface, r->scene->parted->file.count, &r->light->report);
 	return GW_OK;
 }
@@ -114,6 +189,8 @@ void parted_result_close(parted_result *r)
 /* What writing a part takes. */
 typedef struct writer {
 	const parted_result *result;
+	/* Writes a part's columns. */
+	gw_status (*use)(struct writer *w, uint64_t number, const scan *lit, gw_error *error);
 	settings settings; /* with the exposure; nothing of it is freed */
 	output_file *out;
 	uint64_t head, row;      /* bytes of the file's head and of a point; 0: not known yet */
@@ -140,22 +217,25 @@ static gw_status write_head(const writer *w, const scan *lit, gw_error *error)
 	return r->format->parted->write_head(w->out, &r->scene->parted->whole, lit, error);
 }
 
-/* Takes the part's columns.
- *   use   writes them */
-static gw_status write_part(writer *w, uint64_t number,
-							gw_status (*use)(writer *w, uint64_t number, const scan *lit,
-											 gw_error *error),
-							gw_error *error)
+/* Lights a part and writes it. */
+static gw_status write_part(void *user, lit_part *part, gw_error *error)
 {
+	writer *w = user;
 	scan lit;
-	GW_TRY(parted_result_light_part(w->result, number, &w->settings, &lit, error));
-	gw_status status = use(w, number, &lit, error);
+	GW_TRY(make_lit_scan(w->result, part, &w->settings, &lit, error));
+	gw_status status = w->use(w, part->number, &lit, error);
 	scan_clear(&lit);
 	GW_TRY(status);
 	w->written += w->result->ranks.count; /* the others are as far */
 	double done = (double)w->written / (double)w->parts;
 	progress_show(w->result->progress, "write", done < 1.0 ? done : 1.0);
 	return GW_OK;
+}
+
+static uint64_t choose_all(void *user, uint64_t from)
+{
+	(void)user;
+	return from;
 }
 
 static gw_status append(writer *w, uint64_t number, const scan *lit, gw_error *error)
@@ -171,8 +251,8 @@ gw_status parted_result_write(const parted_result *r, output_file *out, double *
 {
 	writer w;
 	GW_TRY(start(r, out, exposure, &w, error));
-	for (uint64_t number = 0; number < w.parts; number++)
-		GW_TRY(write_part(&w, number, append, error));
+	w.use = append;
+	GW_TRY(for_parts(r, choose_all, write_part, &w, error));
 	return r->format->parted->write_end
 			   ? r->format->parted->write_end(out, &r->scene->parted->whole, error)
 			   : GW_OK;
@@ -223,22 +303,33 @@ static gw_status put_in_place(writer *w, uint64_t number, const scan *lit, gw_er
 	return sync_sometimes(w, error);
 }
 
+/* The next part of this rank that is not written yet. */
+static uint64_t choose_unwritten(void *user, uint64_t from)
+{
+	writer *w = user;
+	const ranks *all = &w->result->ranks;
+	uint64_t number = from;
+	journal_slot slot;
+	while (number % all->count != all->rank)
+		number++;
+	for (; number < w->parts && !signals_pending(); number += all->count) {
+		if (!journal_file_get(w->result->scene->parted->journal, number, &slot) ||
+			!output_file_holds(w->out, slot.offset, slot.length, slot.value))
+			break;
+		w->written += all->count;
+	}
+	return number;
+}
+
 gw_status parted_result_go_on(const parted_result *r, output_file *out, double *exposure,
 							  gw_error *error)
 {
 	writer w;
-	journal_slot slot;
-	journal_file *journal = r->scene->parted->journal;
 	GW_TRY(start(r, out, exposure, &w, error));
-	GW_TRY(journal_file_slots(journal, w.parts, error));
-	for (uint64_t number = r->ranks.rank; number < w.parts; number += r->ranks.count) {
-		GW_TRY(signals_check(error));
-		if (journal_file_get(journal, number, &slot) &&
-			output_file_holds(out, slot.offset, slot.length, slot.value))
-			w.written += r->ranks.count;
-		else
-			GW_TRY(write_part(&w, number, put_in_place, error));
-	}
+	w.use = put_in_place;
+	GW_TRY(journal_file_slots(r->scene->parted->journal, w.parts, error));
+	GW_TRY(for_parts(r, choose_unwritten, write_part, &w, error));
+	GW_TRY(signals_check(error));
 	GW_TRY(output_file_sync(out, error));
 	return ranks_wait(&r->ranks, error);
 }
