@@ -28,6 +28,20 @@
 #define SAME_HEIGHT 0.2f
 #define CONFLICT_MOST 0.03
 
+/*
+ * Opposing neighbours are the two sides of a sheet where nearly all of them lie behind: so much of
+ * their heights is left when those in front are taken from those behind. Through noise as thick as
+ * the sheet little of it is left at each surfel, but less than nothing of normals that are wrong:
+ * then both sides lie amid each other all the same, on much but not all of the surface, as neither
+ * normals of random signs do nor patches that are turned, whose middles are some .9 of the reach
+ * apart at their borders (of sides amid each other .33 to .56).
+ */
+#define SHEET_CLEAR 0.5
+#define SHEET_IN_NOISE 0.05
+#define NOISE_LEFT 0.8
+#define AMID_MOST 0.7
+#define AMID_SHARE 0.5
+
 /* Neighbours beyond a crease, both clearly off the other's plane, and how many may disagree: where
  * a scanner saw one thing before another, some do. */
 #define CREASE_COSINE 0.6f
@@ -64,11 +78,14 @@ typedef struct finding {
 	bool flat, off, conflict;
 	uint8_t creases, against;
 	float behind, heights; /* of opposing neighbours: sum of heights, and of their sizes */
+	float apart; /* how far the middles of opposing and of other neighbours are, of the reach; 0:
+					there are not two of each */
 } finding;
 
 typedef struct figures {
 	uint64_t flat, off, surfels, conflicts, creases, against;
-	double behind, heights;
+	uint64_t parted;                       /* surfels whose neighbours are some of each */
+	double behind, heights, singly, apart; /* singly: sum of the sizes of behind */
 } figures;
 
 typedef struct check {
@@ -102,16 +119,23 @@ static void look_at_plane(check *c, const float *n, const float *way, uint32_t c
 	f->off = f->flat && fabsf(dot(n, plane)) < OFF_COSINE;
 }
 
+/* Neighbours on one plane with a surfel: those that face as it does, and those that oppose it. */
+typedef struct facing {
+	float count, way[3]; /* sums */
+} facing;
+
 /*
  * Across a crease, a consistent pair either sees each other (concave) or lies behind each other
  * (convex).
  */
 static void look_at_pair(const float *n, const float *m, const float *way, float distance,
-						 finding *f, float votes[2])
+						 finding *f, facing votes[2])
 {
 	float cosine = dot(n, m), own = dot(n, way) / distance, other = -dot(m, way) / distance;
 	if (fabsf(cosine) > SAME_PLANE && fabsf(own) < SAME_HEIGHT && fabsf(other) < SAME_HEIGHT) {
-		votes[cosine < 0] += 1;
+		votes[cosine < 0].count += 1;
+		for (int k = 0; k < 3; k++)
+			votes[cosine < 0].way[k] += way[k];
 		f->behind += cosine < 0 ? own : 0;
 		f->heights += cosine < 0 ? fabsf(own) : 0;
 	}
@@ -122,12 +146,23 @@ static void look_at_pair(const float *n, const float *m, const float *way, float
 	}
 }
 
+static float apart(const facing votes[2])
+{
+	float between[3];
+	if (votes[0].count < 2 || votes[1].count < 2)
+		return 0;
+	for (int k = 0; k < 3; k++)
+		between[k] = votes[1].way[k] / votes[1].count - votes[0].way[k] / votes[0].count;
+	return sqrtf(dot(between, between));
+}
+
 static void look(void *user, size_t surfel, const gw_neighbour_list *list)
 {
 	check *c = user;
 	const gw_surfels *s = c->surfels;
 	const float *n = s->normal + 3 * surfel;
-	float way[3 * (GW_NEIGHBOURS + 1)] = { 0 }, votes[2] = { 0 };
+	float way[3 * (GW_NEIGHBOURS + 1)] = { 0 };
+	facing votes[2] = { { 0 } };
 	if (surfel % c->stride != 0 || !is_given(n) || list->count < 3)
 		return;
 	finding *f = &c->finding[surfel / c->stride];
@@ -141,7 +176,9 @@ static void look(void *user, size_t surfel, const gw_neighbour_list *list)
 			look_at_pair(n, s->normal + 3 * other, to, list->distance[j] / reach, f, votes);
 	}
 	look_at_plane(c, n, way, list->count + 1, f);
-	f->conflict = votes[1] >= 2 && votes[1] >= 0.25f * (votes[0] + votes[1]);
+	f->apart = apart(votes);
+	f->conflict =
+		votes[1].count >= 2 && votes[1].count >= 0.25f * (votes[0].count + votes[1].count);
 }
 
 static gw_status measure(check *c, figures *all, gw_error *error)
@@ -159,6 +196,9 @@ static gw_status measure(check *c, figures *all, gw_error *error)
 		all->against += f->against;
 		all->behind += (double)f->behind;
 		all->heights += (double)f->heights;
+		all->singly += fabs((double)f->behind);
+		all->parted += f->apart > 0;
+		all->apart += (double)f->apart;
 	}
 	return GW_OK;
 }
@@ -168,10 +208,14 @@ static bool is_off(const figures *f)
 	return f->off >= FINDINGS_LEAST && (double)f->off > OFF_MOST * (double)f->flat;
 }
 
-/* Opposing neighbours that lie behind are the other side of a sheet. */
+/* Are opposing neighbours the other side of a sheet? */
 static bool are_sheets(const figures *f)
 {
-	return f->behind < -0.5 * f->heights;
+	bool amid = f->parted >= FINDINGS_LEAST && f->apart < AMID_MOST * (double)f->parted &&
+				(double)f->conflicts < AMID_SHARE * (double)f->surfels;
+	bool in_noise = f->singly < NOISE_LEFT * f->heights;
+	return f->behind < -SHEET_CLEAR * f->heights ||
+		   (amid && in_noise && f->behind < -SHEET_IN_NOISE * f->heights);
 }
 
 static bool is_mixed(const figures *f)

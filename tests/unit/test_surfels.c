@@ -842,9 +842,11 @@ static void normals_with_faults_are_mended(void **state)
 	clear_cloud(&c);
 }
 
-/* A square sheet that lies anyhow in a unit cube, with random points on both of its sides. */
-static void put_leaf(cloud *c, size_t first, size_t count, double side, double thickness)
+/* A square sheet that lies anyhow in a unit cube, with random points on both of its sides.
+ *   noise   how far points are off it, metres, one standard deviation */
+static void put_leaf(cloud *c, size_t first, size_t count, double noise)
 {
+	const double side = 0.1, thickness = 0.0005;
 	double centre[3], axis[3][3];
 	for (int k = 0; k < 3; k++) {
 		centre[k] = uniform();
@@ -867,9 +869,10 @@ static void put_leaf(cloud *c, size_t first, size_t count, double side, double t
 	}
 	for (size_t i = first; i < first + count; i++) {
 		double u = side * (uniform() - 0.5), v = side * (uniform() - 0.5), up = i % 2 ? 1 : -1;
+		double off = 0.5 * thickness * up + (noise > 0 ? noise * gaussian() : 0);
 		for (int k = 0; k < 3; k++) {
 			c->position[3 * i + (size_t)k] =
-				centre[k] + u * axis[0][k] + v * axis[1][k] + 0.5 * thickness * up * axis[2][k];
+				centre[k] + u * axis[0][k] + v * axis[1][k] + off * axis[2][k];
 			c->normal[3 * i + (size_t)k] = (float)(up * axis[2][k]);
 		}
 	}
@@ -878,17 +881,53 @@ static void put_leaf(cloud *c, size_t first, size_t count, double side, double t
 /* Leaves of a crown touch and pass each other anyhow, so that where they do their normals
  * contradict each other. That is no reason to turn the two sides of each leaf the same way, which
  * would contradict itself nowhere. */
+enum { LEAVES = 300, LEAF_POINTS = 400 };
+
+/* A crown, and beside it a sheet with one side that has as many points. */
+static cloud make_crown(double noise)
+{
+	cloud c = make_cloud(2 * LEAVES * LEAF_POINTS, true);
+	for (size_t leaf = 0; leaf < LEAVES; leaf++)
+		put_leaf(&c, LEAF_POINTS * leaf, LEAF_POINTS, noise);
+	for (size_t i = (size_t)LEAVES * LEAF_POINTS; i < c.count; i++) {
+		const double at[3] = { 2 + 2 * uniform(), 2 * uniform(), 0 };
+		memcpy(c.position + 3 * i, at, sizeof at);
+		c.normal[3 * i + 2] = 1;
+	}
+	return c;
+}
+
 static void leaves_keep_both_sides(void **state)
 {
 	(void)state;
-	enum { LEAVES = 300, POINTS = 400 };
-	cloud c = make_cloud(LEAVES * POINTS, true);
-	for (size_t leaf = 0; leaf < LEAVES; leaf++)
-		put_leaf(&c, POINTS * leaf, POINTS, 0.1, 0.0005);
-	gw_surfels s = make(&c);
-	assert_int_equal(s.normals_turned + s.normals_doubted, 0);
-	gw_surfels_clear(&s);
-	clear_cloud(&c);
+	const double noise[] = { 0, 0.0005, 0.001 }; /* a leaf is 0.0005 thick */
+	for (size_t i = 0; i < sizeof noise / sizeof *noise; i++) {
+		cloud c = make_crown(noise[i]);
+		gw_surfels s = make(&c);
+		assert_int_equal(s.normals_turned + s.normals_doubted, 0);
+		gw_surfels_clear(&s);
+		clear_cloud(&c);
+	}
+}
+
+/* Signs that are random, or turned in patches, are no two sides: not where leaves are, either. */
+static void wrong_signs_are_no_sides_of_leaves(void **state)
+{
+	(void)state;
+	for (int patches = 0; patches < 2; patches++) {
+		cloud c = make_crown(0.001);
+		for (size_t i = 0; i < c.count; i++) {
+			const double *p = c.position + 3 * i;
+			bool odd = ((int)(p[0] / 0.1) + (int)(p[1] / 0.1)) % 2;
+			bool turned = patches ? odd : uniform() < 0.5;
+			for (size_t k = 0; k < 3 && turned; k++)
+				c.normal[3 * i + k] = -c.normal[3 * i + k];
+		}
+		gw_surfels s = make(&c);
+		assert_true(s.normals_turned > c.count / 5);
+		gw_surfels_clear(&s);
+		clear_cloud(&c);
+	}
 }
 
 /* A ball whose normals all face its middle, in the sun: nothing would be lit. With a lamp in its
@@ -2271,6 +2310,7 @@ int main(void)
 		cmocka_unit_test(scanners_see_no_further_than_walls),
 		cmocka_unit_test(normals_with_faults_are_mended),
 		cmocka_unit_test(leaves_keep_both_sides),
+		cmocka_unit_test(wrong_signs_are_no_sides_of_leaves),
 		cmocka_unit_test(closed_bodies_inside_out_are_turned),
 		cmocka_unit_test(floors_seen_edge_on_are_trusted),
 		cmocka_unit_test(estimated_normals_are_of_one_side),
