@@ -29,12 +29,13 @@
 #define CONFLICT_MOST 0.03
 
 /*
- * Opposing neighbours are the two sides of a sheet where nearly all of them lie behind: so much of
- * their heights is left when those in front are taken from those behind. Through noise as thick as
- * the sheet little of it is left at each surfel, but less than nothing of normals that are wrong:
- * then both sides lie amid each other all the same, on much but not all of the surface, as neither
- * normals of random signs do nor patches that are turned, whose middles are some .9 of the reach
- * apart at their borders (of sides amid each other .33 to .56).
+ * Opposing neighbours are the other side of a sheet where they lie behind: by so much of the sum of
+ * their heights where that is clear. Through noise as thick as the sheet a single surfel tells next
+ * to nothing: those in front take away from those behind. All together they still lie behind a
+ * little, which neighbours of wrong signs do not. Then both sides lie amid each other, on less than
+ * half of the surface: signs that are random do so everywhere, and where a patch was turned the
+ * two kinds lie on either side of its border. The middles of the two kinds are .33 to .56 of the
+ * reach apart amid each other, .9 at borders.
  */
 #define SHEET_CLEAR 0.5
 #define SHEET_IN_NOISE 0.05
