@@ -9,6 +9,7 @@
  */
 #include "cloud/neighbour_index.h"
 
+#include "base/memory.h"
 #include "glowworm_host.h"
 
 #include <algorithm>
@@ -46,6 +47,9 @@ namespace
  * all trees. */
 const size_t TREE_LEAST = 16384;
 const size_t HALVINGS_MOST = 6;
+
+/* Points of an index whose memory is worth giving back at once. */
+const size_t LARGE = 1 << 17;
 
 /* Leaves of so many points searched fastest. */
 const int LEAF_POINTS = 24;
@@ -371,9 +375,14 @@ extern "C" gw_neighbour_index *gw_neighbour_index_build(const float *position, s
 	}
 }
 
+/* Trees are of many blocks, which threads take from heaps of their own and which the C library would
+ * keep for others. */
 extern "C" void gw_neighbour_index_free(gw_neighbour_index *index)
 {
+	bool large = index && index->number.size() >= LARGE;
 	delete index;
+	if (large)
+		gw_give_back_memory();
 }
 
 /* False when there are fewer than k, as of a query that is not finite. */
