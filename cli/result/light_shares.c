@@ -198,7 +198,17 @@ static bool is_doubtful(const light_shares *f, size_t i)
 	return given < fmin(r->report.error.relative_rms, behind ? DOUBTFUL_BEHIND : DOUBTFUL);
 }
 
-/* A line of one that shines. */
+/* Whether a lamp that there is no other to compare with is behind the surface nearest to it. */
+static bool is_lost(const light_shares *f, size_t i)
+{
+	const gw_bake_result *r = f->result;
+	for (size_t k = 0; k < r->given_count; k++)
+		if (k != i && flux_of(light_of(f, k)) > 0.0)
+			return false;
+	return flux_of(light_of(f, i)) > 0.0 && shines(&r->given[i]) && !r->asked &&
+		   is_behind(f, light_of(f, i));
+}
+
 /* A line's share of the light, and over how many frames. */
 static void print_percent(const light_shares *f, double share)
 {
@@ -208,6 +218,7 @@ static void print_percent(const light_shares *f, double share)
 		fprintf(stderr, ", in the mean of %" PRIu32 " frames", f->frames);
 }
 
+/* A line of one that shines. */
 static void print_share(const light_shares *f, const extent *e, size_t i)
 {
 	char name[NAME];
@@ -220,6 +231,9 @@ static void print_share(const light_shares *f, const extent *e, size_t i)
 	else if (is_doubtful(f, i))
 		fprintf(stderr, "; so little for its power is within the error: it may light nothing%s",
 				is_behind(f, light_of(f, i)) ? ", as it is behind the surface nearest to it" : "");
+	else if (is_lost(f, i))
+		fprintf(stderr, "; it is behind the surface nearest to it: if it is in rock or under "
+						"the floor, all that it lights is error");
 	fputc('\n', stderr);
 }
 
@@ -277,9 +291,9 @@ void light_shares_print(const light_shares *f)
 	if (r->given_count == 0)
 		return;
 	extent e = find_extent(f);
-	/* Of one lamp alone there is nothing to say, unless it stands far away. */
+	/* Of one lamp alone there is nothing to say, unless it stands far away or in rock. */
 	if (r->given_count == 1 && shines(r->given) && !(r->given->share < 1.0) &&
-		!(outside(&e, light_of(f, 0)) > FAR_EXTENTS * e.diagonal))
+		!(outside(&e, light_of(f, 0)) > FAR_EXTENTS * e.diagonal) && !is_lost(f, 0))
 		return;
 	print_shining(f, &e);
 	print_dark(f, &e);
@@ -333,7 +347,7 @@ void light_shares_write(json_writer *json, const light_shares *f)
 		json_put_real(json, "share", f->result->given[i].share);
 		json_put_text(json, "fate", fate[f->result->given[i].fate]);
 		json_put_real(json, "outside", outside(&e, light));
-		json_put_bool(json, "doubtful", is_doubtful(f, i));
+		json_put_bool(json, "doubtful", is_doubtful(f, i) || is_lost(f, i));
 		json_put_close(json, '}');
 	}
 	json_put_close(json, ']');

@@ -52,6 +52,14 @@ glowworm bake cave.ply -o lit.ply -f --bounces 1 \
 	--light 'point at 13.5,2.6,-3 intensity 190 name below' \
 	--light 'point at 24.8,0,1.1 intensity 5 name small' 2>&1 |
 	sed -n "s/.*light '\([a-z]*\)': [0-9.e-]* %/\1: N %/p"
+# By itself as well, where there is no other to compare with; one in the open needs no line.
+glowworm bake cave.ply -o lit.ply -f --bounces 1 --report report.json \
+	--light 'point at 13.5,2.6,-3 intensity 190 name below' 2>&1 |
+	sed -n "s/.*light '\([a-z]*\)': [0-9.e-]* %/\1: N %/p"
+grep -c '"doubtful": true' report.json
+glowworm bake cave.ply -o lit.ply -f --bounces 1 \
+	--light 'point at 13.5,2.6,1.8 intensity 190 name hall' 2>&1 |
+	grep -c 'behind the surface'
 echo == alone
 bake --light 'point at 0.5,0.5,0.5 intensity 1'
 bake --quiet "$@"
