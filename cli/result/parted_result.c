@@ -30,7 +30,7 @@ static void clear(lit_part *p)
 	loaded_scene_clear_part(&p->scene);
 }
 
-/* To be cleared also on failure, which lighting it tells. */
+/* Reads a part. Failure is kept in it, and told when it is lit. To be cleared in any case. */
 static void read_part(const parted_result *r, uint64_t number, lit_part *p)
 {
 	*p = (lit_part){ .number = number };
@@ -74,7 +74,7 @@ gw_status parted_result_light_part(const parted_result *r, uint64_t number, cons
 /* What is done with one part after the other. */
 typedef gw_status part_use(void *user, lit_part *part, gw_error *error);
 
-/* One part is used while the next one is read. */
+/* One part is used while the next one is read, each on whichever of two threads. */
 typedef struct turn {
 	const parted_result *result;
 	part_use *use;
@@ -96,24 +96,41 @@ static void take_turn(void *user, size_t first, size_t last, uint32_t worker)
 			read_part(t->result, t->next_number, &t->next);
 }
 
-/* The number of the next part that is wanted, from one on; all of them: there is none. */
+/* The first wanted part whose number is at least `from`; the number of parts if there is none. */
 typedef uint64_t part_choice(void *user, uint64_t from);
+
+/* Uses a part and reads the next one, if there is one: at the same time where threads are two. */
+static void take_turns(turn *t, uint64_t parts)
+{
+	bool last = t->next_number >= parts;
+	if (gw_thread_count(t->result->settings->bake.threads) > 1 && !last) {
+		gw_parallel_for(2, 2, 1, take_turn, t);
+		clear(&t->own);
+		return;
+	}
+	take_turn(t, 0, 1, 0);
+	clear(&t->own);
+	if (!last && t->status == GW_OK)
+		take_turn(t, 1, 2, 0);
+}
 
 /* Uses all parts that are wanted. */
 static gw_status for_parts(const parted_result *r, part_choice *choose, part_use *use, void *user,
 						   gw_error *error)
 {
 	uint64_t parts = parted_cloud_parts(r->scene->parted), number = choose(user, 0);
-	uint32_t threads = gw_thread_count(r->settings->bake.threads);
 	turn t = { .result = r, .use = use, .user = user, .error = error };
-	if (number < parts)
+	t.status = signals_check(error);
+	if (number < parts && t.status == GW_OK)
 		read_part(r, number, &t.own);
 	while (number < parts && t.status == GW_OK) {
+		t.next = (lit_part){ .light = NULL };
 		t.next_number = choose(user, number + 1);
-		gw_parallel_for(threads < 2 ? 1 : 2, t.next_number < parts ? 2 : 1, 1, take_turn, &t);
-		clear(&t.own);
+		t.status = signals_check(error);
+		if (t.status != GW_OK)
+			break;
+		take_turns(&t, parts);
 		t.own = t.next;
-		t.next = (lit_part){ .number = parts };
 		number = t.next_number;
 	}
 	clear(&t.own);
@@ -329,7 +346,6 @@ gw_status parted_result_go_on(const parted_result *r, output_file *out, double *
 	w.use = put_in_place;
 	GW_TRY(journal_file_slots(r->scene->parted->journal, w.parts, error));
 	GW_TRY(for_parts(r, choose_unwritten, write_part, &w, error));
-	GW_TRY(signals_check(error));
 	GW_TRY(output_file_sync(out, error));
 	return ranks_wait(&r->ranks, error);
 }

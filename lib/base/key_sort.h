@@ -11,7 +11,7 @@ typedef struct gw_keyed {
 	uint32_t item; /* whose key it is */
 } gw_keyed;
 
-/* Bytes beside the array itself that sorting takes at most, of one of so many. */
+/* Bytes that sorting takes for each element, beside the array; and 8 KiB a thread. */
 #define GW_KEY_SORT_BYTES sizeof(gw_keyed)
 
 /*

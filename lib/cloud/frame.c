@@ -27,9 +27,9 @@ typedef struct repairs {
 
 /* Some of the sorted points: no point elsewhere has the place of one of them. */
 typedef struct frame_part {
-	size_t first, end;     /* of the sorted points */
-	size_t first_surfel;   /* of theirs; at first how many there are */
-	float low[3], high[3]; /* bounds of those in the bulk, local */
+	size_t first, end;            /* of the sorted points */
+	size_t surfels, first_surfel; /* that are made of them */
+	float low[3], high[3];        /* bounds of those in the bulk, local */
 	repairs repairs;
 } frame_part;
 
@@ -237,7 +237,7 @@ static size_t find_next_place(const frame *f, size_t first, size_t end, float lo
 	return end;
 }
 
-/* Sorts points of one cell, and counts places. */
+/* Sorts the points of each cell of a part, and counts places. */
 static void sort_part(frame *f, frame_part *part)
 {
 	float local[3];
@@ -248,7 +248,7 @@ static void sort_part(frame *f, frame_part *part)
 			qsort_r(f->order + first, last - first, sizeof *f->order, compare_points, f);
 	}
 	for (size_t i = part->first; i < part->end; i = find_next_place(f, i, part->end, local))
-		part->first_surfel++;
+		part->surfels++;
 }
 
 static void sort_parts(void *user, size_t first, size_t last, uint32_t worker)
@@ -269,9 +269,8 @@ static gw_status sort_points(frame *f, gw_error *error)
 	part_points(f);
 	gw_parallel_for(f->threads, f->part_count, 1, sort_parts, f);
 	for (size_t p = 0; p < f->part_count; p++) {
-		size_t own = f->part[p].first_surfel;
 		f->part[p].first_surfel = f->surfels->count;
-		f->surfels->count += own;
+		f->surfels->count += f->part[p].surfels;
 	}
 	return GW_OK;
 }

@@ -54,7 +54,7 @@ const size_t LARGE = 1 << 17;
 /* Leaves of so many points searched fastest. */
 const int LEAF_POINTS = 24;
 
-/* Of more results FLANN takes heaps to be faster than sorted lists. */
+/* FLANN keeps more results than this in a heap. */
 const size_t LIST_MOST = KNN_HEAP_THRESHOLD;
 
 /* The nearest ones so far, and of equally far ones those of the lowest numbers: which they are does
@@ -88,15 +88,16 @@ class nearest_points : public flann::ResultSet<float>
 	size_t capacity, count;
 	float beyond;
 
-	/* Now that one more is found, the furthest of them at a place. */
+	/* To be called after each addition; `at` is where the furthest one is. FLANN looks no further
+	 * than a few numbers beyond it: by so much its sums of distances from planes are off. */
 	void note_furthest(size_t at)
 	{
+		const uint32_t room = 8, largest = 0x7f7fffff;
 		uint32_t bits;
 		if (!full())
 			return;
-		/* The next number; std::nextafter takes longer than all else here. */
 		std::memcpy(&bits, distance + at, sizeof bits);
-		bits++;
+		bits = std::min(bits + room, largest);
 		std::memcpy(&beyond, &bits, sizeof bits);
 	}
 
@@ -270,7 +271,7 @@ struct part {
 } // namespace
 
 struct gw_neighbour_index {
-	const float *position;
+	const float *position;   /* while it is built */
 	std::vector<int> number; /* of all points, part by part */
 	std::vector<part> parts;
 	std::vector<plane> planes; /* of part i, once there were n: the (n + i)-th */
@@ -369,14 +370,15 @@ extern "C" gw_neighbour_index *gw_neighbour_index_build(const float *position, s
 		for (index->halved = 1; index->halved < index->parts.size(); index->halved *= 2)
 			for_parts<halve_part>(*index, index->halved, threads);
 		for_parts<build_part>(*index, index->parts.size(), threads);
+		index->position = nullptr;
 		return index->failed ? nullptr : index.release();
 	} catch (...) {
 		return nullptr;
 	}
 }
 
-/* Trees are of many blocks, which threads take from heaps of their own and which the C library would
- * keep for others. */
+/* Trees are of many blocks, which threads take from heaps of their own and which the C library
+ * would keep for others. */
 extern "C" void gw_neighbour_index_free(gw_neighbour_index *index)
 {
 	bool large = index && index->number.size() >= LARGE;

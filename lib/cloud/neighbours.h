@@ -33,10 +33,11 @@ double gw_neighbours_median_gap(const gw_surfels *surfels, const gw_neighbour_li
  * what is atomic. */
 typedef void gw_neighbours_visitor(void *user, size_t surfel, const gw_neighbour_list *list);
 
-/* Bytes a surfel that the search structure takes while it is built: scaled positions; for good:
- * FLANN's copy, its order and ours, nodes. Where options->memory allows no more, no lists are kept:
- * for a single visit. */
-#define GW_NEIGHBOURS_TREE_BYTES 40u
+/* Bytes a surfel that the search structure takes at most. For good these are FLANN's copy, its
+ * order and ours, and nodes: 25. While it is built there are scaled positions, and of the trees
+ * that are under way another copy and FLANN's list of pointers: 12 and at most 20. Where
+ * options->memory allows no more, no lists are kept: for a single visit. */
+#define GW_NEIGHBOURS_TREE_BYTES 58u
 
 /*
  * Builds the search structure over surfels->position, which must stay unchanged until it is closed.

@@ -31,8 +31,8 @@ typedef struct building {
 	float reach; /* of discs, in radii of the surfels */
 	place *place;
 	gw_check_node *node;
-	struct branch *branch; /* branches at the top of the tree, each after the one that it is of */
-	size_t branches, done;
+	struct branch *branch; /* branches, each after the one that it is of */
+	size_t branches, done; /* those before `done` have their node */
 } building;
 
 /* The discs below a child of a node. */
@@ -40,6 +40,7 @@ typedef struct branch {
 	size_t first, last;
 	uint32_t number;       /* of their node, and those below it have the next ones */
 	uint32_t parent, lane; /* whose box is theirs */
+	box box;
 } branch;
 
 static box empty_box(void)
@@ -208,7 +209,7 @@ static void fork_branch(building *b, const branch *own, branch *four)
 	for (uint32_t c = 0; c < 4; c++) {
 		bool leaf = is_leaf(from[c], from[c + 1]);
 		b->node[own->number].child[c] = leaf ? leaf_of(from[c], from[c + 1]) : next;
-		four[c] = (branch){ from[c], from[c + 1], next, own->number, c };
+		four[c] = (branch){ from[c], from[c + 1], next, own->number, c, empty_box() };
 		next += (uint32_t)gw_check_tree_nodes(from[c + 1] - from[c]);
 	}
 }
@@ -226,33 +227,27 @@ static void fill_branches(void *user, size_t first, size_t last, uint32_t worker
 	building *b = user;
 	(void)worker;
 	for (size_t i = first; i < last; i++) {
-		const branch *own = &b->branch[b->done + i];
+		branch *own = &b->branch[b->done + i];
 		uint32_t next = own->number;
-		box part = add_node(b, own->first, own->last, &next);
-		set_box(&b->node[own->parent], own->lane, &part);
+		own->box = add_node(b, own->first, own->last, &next);
 	}
 }
 
-/* The boxes of branches that were forked, the last one first. */
+/* The boxes of all branches, the last one first: each joins that of the branch that it is of. By
+ * one thread, as four share a node. */
 static void join_branches(building *b)
 {
-	for (size_t i = b->done; i-- > 1;) {
-		const branch *own = &b->branch[i];
-		const gw_check_node *node = &b->node[own->number];
-		box all = empty_box();
-		for (int c = 0; c < 4; c++)
-			for (int k = 0; k < 3; k++) {
-				all.low[k] = gw_smaller(all.low[k], node->low[k][c]);
-				all.high[k] = gw_larger(all.high[k], node->high[k][c]);
-			}
-		set_box(&b->node[own->parent], own->lane, &all);
+	for (size_t i = b->branches; i-- > 1;) {
+		branch *own = &b->branch[i];
+		set_box(&b->node[own->parent], own->lane, &own->box);
+		join_box(&b->branch[(i - 1) / 4].box, &own->box);
 	}
 }
 
 /* Adds all nodes of so many discs, more than a leaf takes. */
 static void add_nodes(building *b, size_t count, uint32_t threads)
 {
-	branch branches[BRANCHES_MOST] = { { .last = count } };
+	branch branches[BRANCHES_MOST] = { { .last = count, .box = empty_box() } };
 	b->branch = branches;
 	b->branches = 1;
 	for (int level = 0; level < TOP_LEVELS; level++) {

@@ -32,13 +32,15 @@
  * Opposing neighbours are the other side of a sheet where they lie behind: by so much of the sum of
  * their heights where that is clear. Through noise as thick as the sheet a single surfel tells next
  * to nothing: those in front take away from those behind. All together they still lie behind a
- * little, which neighbours of wrong signs do not. Then both sides lie amid each other, on less than
- * half of the surface: signs that are random do so everywhere, and where a patch was turned the
- * two kinds lie on either side of its border. The middles of the two kinds are .33 to .56 of the
- * reach apart amid each other, .9 at borders.
+ * little, which neighbours of wrong signs do by chance alone: seldom by twice the root of the sum
+ * of squares, as neighbours share heights, and hardly ever by SHEET_SURE times. Then both sides lie
+ * amid each other, on less than half of the surface: signs that are random do so everywhere, and
+ * where a patch was turned the two kinds lie on either side of its border. The middles of the two
+ * kinds are .33 to .56 of the reach apart amid each other, .9 at borders.
  */
 #define SHEET_CLEAR 0.5
 #define SHEET_IN_NOISE 0.05
+#define SHEET_SURE 10.0
 #define NOISE_LEFT 0.8
 #define AMID_MOST 0.7
 #define AMID_SHARE 0.5
@@ -85,8 +87,9 @@ typedef struct finding {
 
 typedef struct figures {
 	uint64_t flat, off, surfels, conflicts, creases, against;
-	uint64_t parted;                       /* surfels whose neighbours are some of each */
-	double behind, heights, singly, apart; /* singly: sum of the sizes of behind */
+	uint64_t parted; /* surfels whose neighbours are some of each */
+	double behind, heights, apart;
+	double singly, squares; /* sums of the sizes of behind, and of their squares */
 } figures;
 
 typedef struct check {
@@ -198,6 +201,7 @@ static gw_status measure(check *c, figures *all, gw_error *error)
 		all->behind += (double)f->behind;
 		all->heights += (double)f->heights;
 		all->singly += fabs((double)f->behind);
+		all->squares += (double)f->behind * (double)f->behind;
 		all->parted += f->apart > 0;
 		all->apart += (double)f->apart;
 	}
@@ -215,8 +219,9 @@ static bool are_sheets(const figures *f)
 	bool amid = f->parted >= FINDINGS_LEAST && f->apart < AMID_MOST * (double)f->parted &&
 				(double)f->conflicts < AMID_SHARE * (double)f->surfels;
 	bool in_noise = f->singly < NOISE_LEFT * f->heights;
+	bool sure = f->behind < -SHEET_SURE * sqrt(f->squares);
 	return f->behind < -SHEET_CLEAR * f->heights ||
-		   (amid && in_noise && f->behind < -SHEET_IN_NOISE * f->heights);
+		   (amid && in_noise && sure && f->behind < -SHEET_IN_NOISE * f->heights);
 }
 
 static bool is_mixed(const figures *f)

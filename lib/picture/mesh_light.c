@@ -252,7 +252,7 @@ static void light_triangles(void *user, size_t first, size_t last, uint32_t work
 	}
 }
 
-/* A search over places that are given one by one; they are scaled. */
+/* A search over places that are given one by one; which it scales. */
 static bool open_index(lighting *l, float *scaled, size_t count, uint32_t most)
 {
 	for (size_t i = 0; i < 3 * count; i++)

@@ -32,14 +32,19 @@ static void fill(cloud *c, size_t count)
 	};
 }
 
-static gw_check_tree make(const cloud *c)
+static gw_check_tree make_by(const cloud *c, uint32_t threads)
 {
 	gw_error error = { 0 };
 	gw_check_tree tree = { .surfel = NULL };
-	assert_int_equal(gw_check_tree_make(&c->surfels, REACH, 0, &tree, &error), GW_OK);
+	assert_int_equal(gw_check_tree_make(&c->surfels, REACH, threads, &tree, &error), GW_OK);
 	assert_int_equal(tree.nodes, gw_check_tree_nodes(c->surfels.count));
 	assert_true(gw_check_tree_fits(&tree, c->surfels.count));
 	return tree;
+}
+
+static gw_check_tree make(const cloud *c)
+{
+	return make_by(c, 0);
 }
 
 /* Counts the discs below a child, whose middles its box holds. */
@@ -59,6 +64,22 @@ static size_t count_below(const cloud *c, const gw_check_tree *tree, const gw_ch
 			assert_true(at[k] >= node->low[k][lane] && at[k] <= node->high[k][lane]);
 	}
 	return count;
+}
+
+/* Of as many discs as a branch at the top has, one less, and many. */
+static void threads_change_no_bit(void **state)
+{
+	(void)state;
+	static cloud c;
+	const size_t count[] = { 5, 64, 63, 257, COUNT };
+	for (size_t i = 0; i < sizeof count / sizeof *count; i++) {
+		fill(&c, count[i]);
+		gw_check_tree one = make_by(&c, 1), eight = make_by(&c, 8);
+		assert_memory_equal(one.surfel, eight.surfel, count[i] * sizeof *one.surfel);
+		assert_memory_equal(one.node, eight.node, one.nodes * sizeof *one.node);
+		gw_check_tree_clear(&one);
+		gw_check_tree_clear(&eight);
+	}
 }
 
 static void it_holds_all_discs(void **state)
@@ -112,6 +133,7 @@ static void one_that_was_changed_is_told(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = { cmocka_unit_test(it_holds_all_discs),
+										cmocka_unit_test(threads_change_no_bit),
 										cmocka_unit_test(few_discs_need_no_node),
 										cmocka_unit_test(one_that_was_changed_is_told) };
 	return cmocka_run_group_tests_name("check tree", tests, NULL, NULL);

@@ -134,7 +134,7 @@ static void assert_finds(const float *places, size_t k, uint32_t threads)
 	int found[MANY];
 	assert_true(index && all);
 	for (uint32_t q = 0; q < QUERIES; q++) {
-		place(POINTS + q, q % 2 ? 16 : 100000, query);
+		place(POINTS + q, q % 2 ? 7 + 9 * (q % 4 / 2) : 100000, query);
 		query[0] += q % 5 == 0 ? 1.0f : 0.0f; /* some are beside all points */
 		for (int i = 0; i < POINTS; i++)
 			all[i] = (candidate){ squared_distance(query, places + 3 * (size_t)i), i };
@@ -152,7 +152,8 @@ static void assert_finds(const float *places, size_t k, uint32_t threads)
 static void neighbours_are_those_of_brute_force(void **state)
 {
 	(void)state;
-	const uint32_t steps[] = { 100000, 16 }; /* 16: seventeen points at each place */
+	/* Of few steps many points are at each place; a seventh is no binary fraction. */
+	const uint32_t steps[] = { 100000, 16, 7 };
 	for (size_t i = 0; i < sizeof steps / sizeof *steps; i++) {
 		float *places = make_places(steps[i]);
 		assert_finds(places, FEW, 1);
