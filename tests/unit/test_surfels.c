@@ -878,7 +878,7 @@ static void put_leaf(cloud *c, size_t first, size_t count, double noise)
 	}
 }
 
-enum { LEAVES = 300, LEAF_POINTS = 400 };
+enum { LEAVES = 60, LEAF_POINTS = 400 };
 
 /* A crown, and beside it a sheet with one side that has as many points. */
 static cloud make_crown(double noise)
@@ -935,7 +935,7 @@ static void wrong_signs_are_no_sides_of_leaves(void **state)
 static void few_wrong_signs_are_no_sheets(void **state)
 {
 	(void)state;
-	for (int turn = 0; turn < 60; turn++) {
+	for (int turn = 0; turn < 30; turn++) {
 		cloud c = make_cloud(turn % 2 ? 1500 : 3000, true);
 		for (size_t i = 0; i < c.count; i++) {
 			const double gap = 1 / sqrt((double)c.count);
