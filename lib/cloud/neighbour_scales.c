@@ -2,6 +2,7 @@
 #include "cloud/neighbour_scales.h"
 
 #include "base/memory.h"
+#include "cloud/unit_places.h"
 
 #include <math.h>
 #include <pthread.h>
@@ -105,9 +106,8 @@ static bool thin(const gw_neighbour_scales *scales, int level, thinned *t)
 		memcpy(before, cell, sizeof cell);
 	}
 	float *scaled = t->surfel ? gw_allocate_array(t->count, 3 * sizeof *scaled) : NULL;
-	for (size_t i = 0; i < 3 * t->count && scaled; i++)
-		scaled[i] =
-			(float)((double)s->position[3 * (size_t)t->surfel[i / 3] + i % 3] * scales->scale);
+	for (size_t i = 0; i < t->count && scaled; i++)
+		gw_unit_place(s, t->surfel[i], scales->scale, scaled + 3 * i);
 	t->index = scaled ? gw_neighbour_index_build(scaled, t->count, scales->threads) : NULL;
 	free(scaled);
 	return t->index != NULL;
@@ -167,19 +167,13 @@ static bool is_beside_patch(const gw_surfels *s, size_t surfel, const gw_neighbo
 		   (gap < CLOSE_AND_OFF * reach && OFF * gap < (double)list->distance[0]);
 }
 
-static void query_of(const gw_neighbour_scales *scales, size_t surfel, float query[3])
-{
-	for (size_t axis = 0; axis < 3; axis++)
-		query[axis] = (float)((double)scales->surfels->position[3 * surfel + axis] * scales->scale);
-}
-
 /* Is the cloud much denser at the neighbour in the middle of a list than at the surfel? */
 static bool is_denser_there(const gw_neighbour_scales *scales, const gw_neighbour_list *list,
 							bool *failed)
 {
 	int found[GW_NEIGHBOURS + 1];
 	float squared[GW_NEIGHBOURS + 1], query[3];
-	query_of(scales, list->index[list->count / 2], query);
+	gw_unit_place(scales->surfels, list->index[list->count / 2], scales->scale, query);
 	*failed = !gw_neighbour_index_search(scales->all, query, 1, GW_NEIGHBOURS + 1, found, squared);
 	return !*failed && sqrt((double)squared[GW_NEIGHBOURS]) / scales->scale <
 						   DENSER * (double)list->distance[list->count - 1];
@@ -196,7 +190,7 @@ static bool list_level(gw_neighbour_scales *scales, int level, size_t surfel,
 	size_t most = sizeof found / sizeof *found;
 	size_t k = t && t->count < most ? t->count : most;
 	double d[3];
-	query_of(scales, surfel, query);
+	gw_unit_place(scales->surfels, surfel, scales->scale, query);
 	if (!t || !gw_neighbour_index_search(t->index, query, 1, k, found, squared))
 		return false;
 	*list = *nearest;

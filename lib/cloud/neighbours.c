@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "cloud/neighbour_index.h"
 #include "cloud/neighbour_scales.h"
+#include "cloud/unit_places.h"
 #include "base/parallel.h"
 
 #include <math.h>
@@ -101,23 +102,17 @@ static double maximum_norm_between(const gw_surfels *s, size_t a, size_t b)
 	return largest;
 }
 
-/* Positions times a power of two: nothing is rounded, and squares neither overflow nor underflow.
- */
 static void scale_positions(const gw_neighbours *search, size_t first, size_t last, float *scaled)
 {
-	const float *position = search->surfels->position;
-	for (size_t i = 3 * first; i < 3 * last; i++)
-		scaled[i - 3 * first] = (float)((double)position[i] * search->scale);
+	for (size_t i = first; i < last; i++)
+		gw_unit_place(search->surfels, i, search->scale, scaled + 3 * (i - first));
 }
 
 /* False when memory is short. */
 static bool build_index(gw_neighbours *search)
 {
 	const gw_surfels *s = search->surfels;
-	float extent = 0;
-	for (int k = 0; k < 3; k++)
-		extent = fmaxf(extent, s->maximum[k] - s->minimum[k]);
-	search->scale = extent > 0 ? ldexp(1, -ilogb((double)extent)) : 1;
+	search->scale = gw_unit_scale(s);
 	float *scaled = gw_allocate_array(s->count, 3 * sizeof *scaled);
 	if (scaled) {
 		scale_positions(search, 0, s->count, scaled);

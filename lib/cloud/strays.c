@@ -13,6 +13,7 @@
 #include "cloud/neighbour_index.h"
 #include "cloud/stray_cells.h"
 #include "cloud/stray_mounts.h"
+#include "cloud/unit_places.h"
 
 #include <math.h>
 #include <stdatomic.h>
@@ -221,13 +222,12 @@ static bool take_candidates(stray_step *step)
 	return true;
 }
 
-/* Positions of some surfels times a power of two, as in neighbours.c. */
+/* Places of some surfels in unit size. */
 static float *scaled_positions(const stray_step *step, const uint32_t *surfel, size_t count)
 {
 	float *scaled = gw_allocate_array(count, 3 * sizeof *scaled);
-	for (size_t i = 0; scaled && i < 3 * count; i++)
-		scaled[i] = (float)((double)step->surfels->position[3 * (size_t)surfel[i / 3] + i % 3] *
-							step->scale);
+	for (size_t i = 0; scaled && i < count; i++)
+		gw_unit_place(step->surfels, surfel[i], step->scale, scaled + 3 * i);
 	return scaled;
 }
 
@@ -244,11 +244,7 @@ static void search_some(void *user, size_t first, size_t last, uint32_t worker)
 
 static bool search(stray_step *step)
 {
-	const gw_surfels *s = step->surfels;
-	float extent = 0;
-	for (int k = 0; k < 3; k++)
-		extent = fmaxf(extent, s->maximum[k] - s->minimum[k]);
-	step->scale = extent > 0 ? ldexp(1, -ilogb((double)extent)) : 1;
+	step->scale = gw_unit_scale(step->surfels);
 	size_t n = step->candidate_count;
 	step->query = scaled_positions(step, step->candidate, n);
 	float *scaled = scaled_positions(step, step->thin, step->thin_count);
