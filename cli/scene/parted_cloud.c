@@ -65,8 +65,9 @@ static size_t kept_of(uint64_t fit, uint64_t memory, uint64_t count)
 	return (size_t)(fit < KEPT_MOST ? fit : KEPT_MOST);
 }
 
-/* Where all points are lit by tiles: of what memory holds, a quarter is kept of the whole cloud,
- * though no more than an eighth of it, and most of the rest is a tile's. */
+/* Where all points are lit by tiles: of what memory holds, half is kept of the whole cloud, though
+ * no more than an eighth of it. When that is lit it takes but a tenth, and what is far from a tile
+ * less than half of it (far_points.h): so half is a tile's. */
 static void share_memory(parted_cloud *parted, uint64_t memory)
 {
 	uint64_t count = parted->file.count, fit = lasting_points(memory);
@@ -74,11 +75,11 @@ static void share_memory(parted_cloud *parted, uint64_t memory)
 	if (fit < PARTED_CLOUD_LEAST)
 		return; /* it holds no tile */
 	all = all > 0 ? all : count;
-	uint64_t kept = all / 4 < count / 8 ? all / 4 : count / 8;
+	uint64_t kept = all / 2 < count / 8 ? all / 2 : count / 8;
 	if (count <= PARTED_CLOUD_LEAST)
 		return;
 	parted->most = (size_t)(kept > PARTED_CLOUD_LEAST ? kept : PARTED_CLOUD_LEAST);
-	parted->tile = (size_t)(all / 5 * 3);
+	parted->tile = (size_t)(all / 2);
 }
 
 /* Whether points of the file have normals; the first ones tell. */

@@ -127,11 +127,8 @@ typedef struct grid {
 	double width;   /* of its cubes, metres */
 } grid;
 
-/* Which of the six sides of a cube a point faces, so that sheets and edges within one keep what is
- * on each side; 6 where it has no normal. */
-static int64_t side_of(const gw_points *points, size_t point)
+int64_t gw_facing_side(const float *n)
 {
-	const float *n = points->normal ? points->normal + 3 * point : NULL;
 	if (!n || !(n[0] * n[0] + n[1] * n[1] + n[2] * n[2] > 0.0f))
 		return 6;
 	int64_t axis = fabsf(n[0]) >= fabsf(n[1]) ? 0 : 1;
@@ -142,7 +139,8 @@ static int64_t side_of(const gw_points *points, size_t point)
 /* Not 0. */
 static uint64_t cube_of(const grid *g, size_t point)
 {
-	int64_t cell[4] = { [3] = side_of(g->points, point) };
+	const float *normal = g->points->normal ? g->points->normal + 3 * point : NULL;
+	int64_t cell[4] = { [3] = gw_facing_side(normal) };
 	for (size_t k = 0; k < 3; k++)
 		cell[k] = (int64_t)fmin(fmax(floor(g->points->position[3 * point + k] / g->width), -0x1p62),
 								0x1p62);

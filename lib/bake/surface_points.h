@@ -59,4 +59,8 @@ size_t gw_surface_points_next(size_t tried, double error, double wanted, size_t 
 gw_status gw_surface_points_choose(const gw_points *points, size_t most, uint32_t threads,
 								   gw_point_subset *surface, gw_error *error);
 
+/* Which of the six sides of a cube a point faces, 0..5, so that sheets and edges within one keep
+ * what is on each side; 6 where it has no normal. normal   3, of any length, or NULL */
+int64_t gw_facing_side(const float *normal);
+
 #endif

@@ -3,10 +3,12 @@
  * glowworm_parts.h.
  *
  * A tile is baked as a region of a scene that is small enough: all points of the tile and its halo,
- * and beyond it those few that were kept of the whole cloud. So what stands near is as fine as it
- * was scanned, and what is far, whose light comes from many places at once, is coarse.
+ * and beyond it those few that were kept of the whole cloud, taken together with distance
+ * (far_points.h). So what stands near is as fine as it was scanned, and what is far, whose light
+ * comes from many places at once, is coarse.
  */
 #include "bake/bake.h"
+#include "bake/far_points.h"
 #include "bake/options_check.h"
 #include "bake/report.h"
 #include "bake/scene.h"
@@ -28,11 +30,10 @@ struct gw_tile_device {
 	gw_gpu *gpu; /* NULL until the first tile is lit */
 };
 
-/* The points of a tile's scene: first those that are given, then those that were kept elsewhere. */
+/* The points of a tile's scene: first those that are given, then those beyond. */
 typedef struct tile_scene {
 	gw_points points;
-	uint32_t *beyond; /* of the points that were kept, those that come after */
-	size_t beyond_count;
+	gw_far_points far;
 	uint8_t *asked;
 	double *position;
 	float *normal, *albedo, *emission, *opacity, *beam_share;
@@ -40,63 +41,51 @@ typedef struct tile_scene {
 	uint32_t *scanner_of;
 	gw_known_light known;
 	float *known_all, **known_lamp, *known_rest; /* of these */
-	size_t lamps;
 } tile_scene;
 
 static void clear(tile_scene *s)
 {
-	void *rows[] = { s->beyond,   s->asked,   s->position,   s->normal, s->albedo,
-					 s->emission, s->opacity, s->beam_share, s->stray,  s->scanner_of };
+	void *rows[] = { s->asked,   s->position,   s->normal, s->albedo,    s->emission,
+					 s->opacity, s->beam_share, s->stray,  s->scanner_of };
 	for (size_t k = 0; k < sizeof rows / sizeof *rows; k++)
 		free(rows[k]);
-	for (size_t k = 0; s->known_lamp && k < s->lamps; k++)
+	for (size_t k = 0; s->known_lamp && k < s->far.lamps; k++)
 		free(s->known_lamp[k]);
 	free(s->known_lamp);
 	free(s->known_all);
 	free(s->known_rest);
+	gw_far_points_clear(&s->far);
 }
 
 /* --------------------------------------------------------------------------------- the points */
 
-static bool list_beyond(const gw_tile *tile, tile_scene *s)
-{
-	size_t kept = tile->kept->count;
-	uint8_t *replaced = gw_allocate_zeros(kept, 1);
-	s->beyond = gw_allocate_array(kept, sizeof *s->beyond);
-	for (size_t i = 0; replaced && i < tile->replaced_count; i++)
-		if (tile->replaced[i] < kept)
-			replaced[tile->replaced[i]] = 1;
-	for (size_t i = 0; replaced && s->beyond && i < kept; i++)
-		if (!replaced[i])
-			s->beyond[s->beyond_count++] = (uint32_t)i;
-	bool good = replaced && s->beyond;
-	free(replaced);
-	return good;
-}
-
 /* Values of both clouds, of `bytes` each; those of one that has none are `none`. */
 typedef struct tile_values {
-	const void *near, *kept, *none;
-	size_t near_count, bytes;
+	const void *near, *far, *none;
+	size_t bytes;
 } tile_values;
 
-static const void *row_of(const void *values, size_t row, const tile_values *r)
+static void add_rows(unsigned char *to, const void *values, size_t count, const tile_values *r)
 {
-	return values ? (const unsigned char *)values + row * r->bytes : r->none;
+	if (values)
+		memcpy(to, values, count * r->bytes);
+	for (size_t i = 0; !values && i < count; i++)
+		memcpy(to + i * r->bytes, r->none, r->bytes);
 }
 
 /* Of the tile's points, then of those beyond. NULL where both clouds have none, or without memory,
  * which *good tells. */
-static void *join_values(const tile_scene *s, const tile_values *r, bool *good)
+static void *join_values(const tile_scene *s, size_t near, const tile_values *r, bool *good)
 {
-	if (!r->near && !r->kept)
+	size_t far = s->far.subset.points.count;
+	if (!r->near && !r->far)
 		return NULL;
-	unsigned char *joined = gw_allocate_array(r->near_count + s->beyond_count, r->bytes);
+	unsigned char *joined = gw_allocate_array(near + far, r->bytes);
 	*good = *good && joined;
-	for (size_t i = 0; joined && i < r->near_count; i++)
-		memcpy(joined + i * r->bytes, row_of(r->near, i, r), r->bytes);
-	for (size_t i = 0; joined && i < s->beyond_count; i++)
-		memcpy(joined + (r->near_count + i) * r->bytes, row_of(r->kept, s->beyond[i], r), r->bytes);
+	if (joined) {
+		add_rows(joined, r->near, near, r);
+		add_rows(joined + near * r->bytes, r->far, far, r);
+	}
 	return joined;
 }
 
@@ -137,35 +126,35 @@ static bool join_rows(const gw_tile *tile, tile_scene *s)
 {
 	static const float zero[3] = { 0 }, one = 1.0f;
 	static const float plain[3] = { GW_ALBEDO_DEFAULT, GW_ALBEDO_DEFAULT, GW_ALBEDO_DEFAULT };
-	const gw_points *near = tile->near, *kept = tile->kept;
+	const gw_points *near = tile->near, *far = &s->far.subset.points;
 	const uint32_t nobody = UINT32_MAX;
 	const uint8_t no = 0;
 	size_t n = near->count, triple = 3 * sizeof(float);
 	bool good = true;
-	const tile_values of[] = { { near->position, kept->position, NULL, n, 3 * sizeof(double) },
-							   { near->normal, kept->normal, zero, n, triple },
-							   { near->albedo, kept->albedo, plain, n, triple },
-							   { near->emission, kept->emission, zero, n, triple },
-							   { near->opacity, kept->opacity, &one, n, sizeof one },
-							   { near->beam_share, kept->beam_share, &one, n, sizeof one },
-							   { near->stray, kept->stray, &no, n, 1 },
-							   { NULL, kept->scanner_of, &nobody, n, sizeof nobody } };
-	s->position = join_values(s, &of[0], &good);
-	s->normal = join_values(s, &of[1], &good);
-	s->albedo = join_values(s, &of[2], &good);
-	s->emission = join_values(s, &of[3], &good);
-	s->opacity = join_values(s, &of[4], &good);
-	s->beam_share = join_values(s, &of[5], &good);
-	s->stray = join_values(s, &of[6], &good);
-	s->scanner_of = join_values(s, &of[7], &good);
+	const tile_values of[] = { { near->position, far->position, NULL, 3 * sizeof(double) },
+							   { near->normal, far->normal, zero, triple },
+							   { near->albedo, far->albedo, plain, triple },
+							   { near->emission, far->emission, zero, triple },
+							   { near->opacity, far->opacity, &one, sizeof one },
+							   { near->beam_share, far->beam_share, &one, sizeof one },
+							   { near->stray, far->stray, &no, 1 },
+							   { NULL, far->scanner_of, &nobody, sizeof nobody } };
+	s->position = join_values(s, n, &of[0], &good);
+	s->normal = join_values(s, n, &of[1], &good);
+	s->albedo = join_values(s, n, &of[2], &good);
+	s->emission = join_values(s, n, &of[3], &good);
+	s->opacity = join_values(s, n, &of[4], &good);
+	s->beam_share = join_values(s, n, &of[5], &good);
+	s->stray = join_values(s, n, &of[6], &good);
+	s->scanner_of = join_values(s, n, &of[7], &good);
 	return good && (!s->scanner_of || find_scanners(tile, s));
 }
 
 static bool join(const gw_tile *tile, tile_scene *s)
 {
-	if (!list_beyond(tile, s) || !join_rows(tile, s))
+	if (!join_rows(tile, s))
 		return false;
-	size_t count = tile->near->count + s->beyond_count;
+	size_t count = tile->near->count + s->far.subset.points.count;
 	s->asked = gw_allocate_zeros(count, sizeof *s->asked);
 	for (size_t i = 0; s->asked && i < tile->near->count; i++)
 		s->asked[i] = tile->core[i];
@@ -184,74 +173,32 @@ static bool join(const gw_tile *tile, tile_scene *s)
 
 /* ------------------------------------------------------------------------------ what is known */
 
-/* Room for the irradiance of points; that of the tile's is not known. */
-static float *unknown(const tile_scene *s)
+/* The irradiance of all points; that of the tile's is not known. */
+static float *known(const gw_tile *tile, const tile_scene *s, const float *far)
 {
+	size_t near = 3 * tile->near->count;
 	float *room = gw_allocate_array(s->points.count, 3 * sizeof *room);
-	for (size_t i = 0; room && i < 3 * s->points.count; i++)
+	for (size_t i = 0; room && i < near; i++)
 		room[i] = NAN;
+	if (room)
+		memcpy(room + near, far, 3 * s->far.subset.points.count * sizeof *room);
 	return room;
-}
-
-/* The irradiance whose reflection is a part of the light that was kept; what reflects nothing needs
- * none. */
-static float *reflected(const gw_tile *tile, const tile_scene *s, const float *radiance)
-{
-	float *known = unknown(s);
-	const float *albedo = tile->light->albedo;
-	for (size_t i = 0; known && i < s->beyond_count; i++)
-		for (size_t c = 0; c < 3; c++) {
-			size_t from = 3 * (size_t)s->beyond[i] + c;
-			known[3 * (tile->near->count + i) + c] =
-				albedo[from] > 0.0f ? (float)M_PI * radiance[from] / albedo[from] : 0.0f;
-		}
-	return known;
-}
-
-static bool take_lamps(const gw_tile *tile, tile_scene *s)
-{
-	const gw_bake_result *light = tile->light;
-	bool good = true;
-	s->lamps = light->lamp ? light->lamp_count : 0;
-	s->known_lamp = gw_allocate_zeros(s->lamps + 1, sizeof *s->known_lamp);
-	for (size_t k = 0; s->known_lamp && k < s->lamps && good; k++) {
-		s->known_lamp[k] = reflected(tile, s, light->lamp[k]);
-		good = s->known_lamp[k] != NULL;
-	}
-	return good && s->known_lamp;
-}
-
-/* What emits adds its emission to the columns of the rest, which no irradiance makes. */
-static bool take_rest(const gw_tile *tile, tile_scene *s)
-{
-	const gw_bake_result *light = tile->light;
-	const float *emission = tile->kept->emission;
-	if (!light->rest)
-		return true;
-	float *sent = gw_allocate_array(tile->kept->count, 3 * sizeof *sent);
-	for (size_t i = 0; sent && i < 3 * tile->kept->count; i++)
-		sent[i] =
-			fmaxf(light->rest[i] - (emission && emission[i] > 0.0f ? emission[i] : 0.0f), 0.0f);
-	s->known_rest = sent ? reflected(tile, s, sent) : NULL;
-	free(sent);
-	return s->known_rest != NULL;
 }
 
 /* The light of what lies beyond the tile, as all points that were kept have it. */
 static bool take_known(const gw_tile *tile, tile_scene *s)
 {
-	const gw_bake_result *light = tile->light;
-	s->known_all = unknown(s);
-	for (size_t i = 0; s->known_all && i < s->beyond_count; i++)
-		for (size_t c = 0; c < 3; c++) {
-			size_t from = 3 * (size_t)s->beyond[i] + c;
-			s->known_all[3 * (tile->near->count + i) + c] =
-				light->direct_irradiance[from] + light->indirect_irradiance[from];
-		}
-	if (!s->known_all || !take_lamps(tile, s) || !take_rest(tile, s))
-		return false;
-	s->known = (gw_known_light){ s->known_all, light->lamp ? s->known_lamp : NULL, s->known_rest };
-	return true;
+	const gw_far_points *far = &s->far;
+	s->known_all = known(tile, s, far->all);
+	s->known_rest = far->rest ? known(tile, s, far->rest) : NULL;
+	s->known_lamp = gw_allocate_zeros(far->lamps + 1, sizeof *s->known_lamp);
+	bool good = s->known_all && (s->known_rest || !far->rest) && s->known_lamp;
+	for (size_t k = 0; good && k < far->lamps; k++) {
+		s->known_lamp[k] = known(tile, s, far->lamp[k]);
+		good = s->known_lamp[k] != NULL;
+	}
+	s->known = (gw_known_light){ s->known_all, far->lamp ? s->known_lamp : NULL, s->known_rest };
+	return good;
 }
 
 /* ---------------------------------------------------------------------------------- the light */
@@ -338,13 +285,13 @@ static gw_bake_options options_of(const gw_tile *tile, const gw_bake_options *op
 gw_status gw_tile_light(const gw_tile *tile, const gw_tile_lighting *lighting, gw_tile_share *share,
 						gw_bake_result **light, gw_error *error)
 {
-	tile_scene s = { .beyond = NULL };
+	tile_scene s = { .asked = NULL };
 	gw_gpu *own = NULL;
 	*light = NULL;
-	gw_status status = join(tile, &s) && take_known(tile, &s)
-						   ? GW_OK
-						   : gw_fail(error, GW_ERROR_MEMORY, "no memory for a tile of %zu points",
-									 tile->near->count);
+	gw_status status = gw_far_points_make(tile, lighting, &s.far, error);
+	if (status == GW_OK && !(join(tile, &s) && take_known(tile, &s)))
+		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for a tile of %zu points",
+						 tile->near->count);
 	const gw_region region = { .point = s.asked };
 	const gw_scene_description scene = { &s.points, lighting->light, lighting->light_count };
 	const gw_bake_options given = options_of(tile, lighting->options, &region);

@@ -19,9 +19,6 @@
 /* Cubes along an edge of a cube's surroundings. */
 #define AROUND (2 * GW_TILE_HALO + 1)
 
-/* Tiles that turn out too large become so many times as many. */
-#define MORE_TILES 1.2
-
 typedef struct cube {
 	uint64_t key; /* Morton key */
 	uint64_t points;
@@ -183,22 +180,89 @@ static int compare_keys(const void *a, const void *b)
 	return (x > y) - (x < y);
 }
 
-/* Cuts the cubes into so many runs, or fewer, where one cube holds more than a tile's share. */
-static void cut(gw_tiling *t, uint32_t wanted)
+/* What is done with a cube within a halo's width of another one. */
+typedef bool cube_user(void *user, uint32_t beside);
+
+/* Goes on to all such cubes that there are, the other one too, as long as it is told to. */
+static bool use_around(const gw_tiling *t, const cube *of, cube_user *use, void *user)
+{
+	uint32_t at[3];
+	gw_morton_decode(of->key, at);
+	for (int k = 0; k < AROUND * AROUND * AROUND; k++) {
+		int64_t x = (int64_t)at[0] + k % AROUND - GW_TILE_HALO;
+		int64_t y = (int64_t)at[1] + k / AROUND % AROUND - GW_TILE_HALO;
+		int64_t z = (int64_t)at[2] + k / (AROUND * AROUND) - GW_TILE_HALO;
+		if (x < 0 || y < 0 || z < 0 || x >= CUBES || y >= CUBES || z >= CUBES)
+			continue;
+		uint32_t beside = find_cube(t, gw_morton_encode((uint32_t)x, (uint32_t)y, (uint32_t)z));
+		if (beside != NO_CUBE && !use(user, beside))
+			return false;
+	}
+	return true;
+}
+
+/* A tile that takes in one cube after the other. */
+typedef struct growing {
+	const gw_tiling *tiling;
+	uint32_t *last;  /* of each cube: the last tile that has it in its core or halo, plus one */
+	uint32_t tile;   /* this one, plus one */
+	uint64_t points; /* of its core and halo */
+	uint64_t more;   /* that the next cube would bring */
+} growing;
+
+static bool count_more(void *user, uint32_t beside)
+{
+	growing *g = user;
+	g->more += g->last[beside] == g->tile ? 0 : g->tiling->cube[beside].points;
+	return true;
+}
+
+static bool take_in(void *user, uint32_t beside)
+{
+	growing *g = user;
+	g->last[beside] = g->tile;
+	return true;
+}
+
+/* How many points a tile would have with one more cube. */
+static uint64_t points_with(growing *g, const cube *next)
+{
+	g->more = 0;
+	use_around(g->tiling, next, count_more, g);
+	return g->points + g->more;
+}
+
+/*
+ * Cuts the cubes into runs. A tile ends where another cube would give it more than `most` points,
+ * and where its share of the least number of tiles ends.
+ */
+static gw_status cut(gw_tiling *t, uint64_t most, double least, gw_error *error)
 {
 	uint64_t before = 0;
-	uint32_t tile = 0, used = 0;
-	double share = (double)t->points / wanted;
+	uint32_t due = 0;
+	double share = (double)t->points / least;
+	growing g = { .tiling = t, .tile = 1 };
+	g.last = gw_allocate_zeros(t->count, sizeof *g.last);
+	if (!g.last)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %u cubes of tiles", t->count);
 	for (uint32_t c = 0; c < t->count; c++) {
-		uint32_t due = (uint32_t)fmin((double)before / share, (double)(wanted - 1));
-		if (c > 0 && due > tile) {
-			tile = due;
-			used++;
+		cube *next = &t->cube[c];
+		uint32_t now = (uint32_t)fmin((double)before / share, least - 1.0);
+		uint64_t points = points_with(&g, next);
+		if (c > 0 && (now > due || points > most)) {
+			g.tile++;
+			g.points = 0;
+			due = now;
+			points = points_with(&g, next);
 		}
-		t->cube[c].tile = used;
-		before += t->cube[c].points;
+		g.points = points;
+		use_around(t, next, take_in, &g);
+		next->tile = g.tile - 1;
+		before += next->points;
 	}
-	t->tiles = used + 1;
+	t->tiles = g.tile;
+	free(g.last);
+	return GW_OK;
 }
 
 static bool add_to_halo(gw_tiling *t, cube *of, uint32_t tile)
@@ -217,52 +281,31 @@ static bool add_to_halo(gw_tiling *t, cube *of, uint32_t tile)
 	return true;
 }
 
-/* In whose halos a cube is: the tiles of those around it, but its own. */
-static bool find_halos(gw_tiling *t, cube *of)
+/* A cube whose halos are looked for. */
+typedef struct haloed {
+	gw_tiling *tiling;
+	cube *cube;
+} haloed;
+
+static bool add_tile_of(void *user, uint32_t beside)
 {
-	uint32_t at[3];
-	gw_morton_decode(of->key, at);
-	of->halo = t->halo_count;
-	of->in_halos = 0;
-	for (int k = 0; k < AROUND * AROUND * AROUND; k++) {
-		int64_t x = (int64_t)at[0] + k % AROUND - GW_TILE_HALO;
-		int64_t y = (int64_t)at[1] + k / AROUND % AROUND - GW_TILE_HALO;
-		int64_t z = (int64_t)at[2] + k / (AROUND * AROUND) - GW_TILE_HALO;
-		if (x < 0 || y < 0 || z < 0 || x >= CUBES || y >= CUBES || z >= CUBES)
-			continue;
-		uint32_t beside = find_cube(t, gw_morton_encode((uint32_t)x, (uint32_t)y, (uint32_t)z));
-		if (beside != NO_CUBE && t->cube[beside].tile != of->tile &&
-			!add_to_halo(t, of, t->cube[beside].tile))
-			return false;
-	}
-	return true;
+	const haloed *h = user;
+	uint32_t tile = h->tiling->cube[beside].tile;
+	return tile == h->cube->tile || add_to_halo(h->tiling, h->cube, tile);
 }
 
-/* The most points that a tile has with its halo; 0 where there was no memory. */
-static uint64_t largest(const gw_tiling *t)
+/* In whose halos cubes are: the tiles of those around each, but its own. */
+static gw_status find_halos(gw_tiling *t, gw_error *error)
 {
-	uint64_t most = 0, *points = gw_allocate_zeros(t->tiles, sizeof *points);
-	for (uint32_t c = 0; points && c < t->count; c++) {
-		const cube *of = &t->cube[c];
-		points[of->tile] += of->points;
-		for (uint32_t i = 0; i < of->in_halos; i++)
-			points[t->halo[of->halo + i]] += of->points;
-	}
-	for (uint32_t tile = 0; points && tile < t->tiles; tile++)
-		most = points[tile] > most ? points[tile] : most;
-	free(points);
-	return most;
-}
-
-static gw_status form(gw_tiling *t, uint32_t wanted, uint64_t *most, gw_error *error)
-{
-	bool good = true;
-	cut(t, wanted);
 	t->halo_count = 0;
-	for (uint32_t c = 0; c < t->count && good; c++)
-		good = find_halos(t, &t->cube[c]);
-	*most = good ? largest(t) : 0;
-	return *most > 0 ? GW_OK : gw_fail(error, GW_ERROR_MEMORY, "no memory for %u tiles", wanted);
+	for (uint32_t c = 0; c < t->count; c++) {
+		haloed h = { t, &t->cube[c] };
+		h.cube->halo = t->halo_count;
+		h.cube->in_halos = 0;
+		if (!use_around(t, h.cube, add_tile_of, &h))
+			return gw_fail(error, GW_ERROR_MEMORY, "no memory for %u tiles", t->tiles);
+	}
+	return GW_OK;
 }
 
 gw_status gw_tiling_form(gw_tiling *t, uint64_t most, uint32_t least, gw_error *error)
@@ -274,15 +317,8 @@ gw_status gw_tiling_form(gw_tiling *t, uint64_t most, uint32_t least, gw_error *
 		t->slot[slot] = NO_CUBE;
 	for (uint32_t c = 0; c < t->count; c++)
 		t->slot[slot_of(t, t->cube[c].key)] = c;
-	double wanted = fmax(ceil((double)t->points / (double)(most > 0 ? most : 1)), least);
-	for (;;) {
-		uint64_t largest_tile;
-		wanted = fmin(fmax(wanted, 1.0), (double)t->count);
-		GW_TRY(form(t, (uint32_t)wanted, &largest_tile, error));
-		if (largest_tile <= most || (uint32_t)wanted == t->count)
-			return GW_OK;
-		wanted = ceil(MORE_TILES * wanted);
-	}
+	GW_TRY(cut(t, most, fmin(fmax(least, 1.0), (double)t->count), error));
+	return find_halos(t, error);
 }
 
 uint32_t gw_tiling_tiles(const gw_tiling *t)

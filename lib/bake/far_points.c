@@ -1,0 +1,386 @@
+/* far_points.c - see far_points.h. */
+#include "bake/far_points.h"
+
+#include "bake/surface_points.h"
+#include "bake/tiling.h"
+#include "base/hash.h"
+#include "base/key_sort.h"
+#include "base/memory.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* What a cube may take of what is seen from the tile, in angle. */
+#define CUBE_ANGLE (1.0 / 16.0)
+
+/* Levels of cubes; the widest are 2^LEVEL_MOST spacings wide. */
+#define LEVEL_MOST 40
+
+/* Points of a surface bend away from planes: lamps' light that passes so many spacings beside the
+ * tile is as good as in it. */
+#define BESIDE 8.0
+
+/* Lamps are made of less than one point in so many. */
+#define FEW_GLOW 8u
+
+/* Of a point that is in the tile or its halo. */
+#define NOWHERE UINT32_MAX
+
+typedef struct sorting_out {
+	const gw_tile *tile;
+	const gw_tile_lighting *lighting;
+	double low[3], high[3]; /* of the tile's own points */
+	double spacing;         /* between those that were kept, metres */
+	uint32_t *group;        /* of each that was kept, or NOWHERE */
+	uint32_t groups;
+	gw_keyed *keyed;
+	bool few_glow;
+} sorting_out;
+
+/* ---------------------------------------------------------------------------------- how far */
+
+static void find_box(sorting_out *s)
+{
+	const gw_points *near = s->tile->near;
+	for (size_t k = 0; k < 3; k++) {
+		s->low[k] = INFINITY;
+		s->high[k] = -INFINITY;
+	}
+	for (size_t i = 0; i < near->count; i++)
+		for (size_t k = 0; s->tile->core[i] && k < 3; k++) {
+			s->low[k] = fmin(s->low[k], near->position[3 * i + k]);
+			s->high[k] = fmax(s->high[k], near->position[3 * i + k]);
+		}
+}
+
+/* From the tile's box; not a number of places that are none. */
+static double distance_of(const sorting_out *s, const double at[3])
+{
+	double square = 0.0;
+	for (size_t k = 0; k < 3; k++) {
+		double off = at[k] < s->low[k] ? s->low[k] - at[k] : at[k] - s->high[k];
+		square += off < 0.0 ? 0.0 : off * off;
+	}
+	return sqrt(square);
+}
+
+/* Does a ray from a place meet the box with so much around it? */
+static bool meets_box(const sorting_out *s, const double at[3], const double toward[3],
+					  double around)
+{
+	double enter = 0.0, leave = INFINITY;
+	for (size_t k = 0; k < 3; k++) {
+		double a = s->low[k] - around - at[k], b = s->high[k] + around - at[k];
+		if (toward[k] == 0.0) {
+			leave = a > 0.0 || b < 0.0 ? -1.0 : leave;
+			continue;
+		}
+		enter = fmax(enter, fmin(a / toward[k], b / toward[k]));
+		leave = fmin(leave, fmax(a / toward[k], b / toward[k]));
+	}
+	return enter <= leave;
+}
+
+/* How far a light reaches to the sides of its middle, in metres, seen past a place: what gives
+ * shadows there half of their penumbra. */
+static double widest(const gw_light *light)
+{
+	double size = hypot((double)light->size[0], (double)light->size[1]);
+	return fmax((double)light->radius, light->type == GW_LIGHT_RECTANGLE ? 0.5 * size : 0.0);
+}
+
+/* May a place cast a shadow of a light on the tile? */
+static bool shades(const sorting_out *s, const gw_light *light, const double at[3], double distance)
+{
+	double toward[3], around = BESIDE * s->spacing;
+	if (light->type == GW_LIGHT_ENVIRONMENT)
+		return false;
+	if (light->type == GW_LIGHT_SUN) {
+		around += distance * tan(0.5 * M_PI / 180.0 * (double)light->angle);
+		return meets_box(s, at, light->direction, around);
+	}
+	for (size_t k = 0; k < 3; k++)
+		toward[k] = at[k] - light->position[k];
+	double from = sqrt(toward[0] * toward[0] + toward[1] * toward[1] + toward[2] * toward[2]);
+	around += from > 0.0 ? distance * widest(light) / from : INFINITY;
+	return meets_box(s, at, toward, around);
+}
+
+static bool glows(const gw_points *points, size_t point)
+{
+	const float *e = points->emission ? points->emission + 3 * point : NULL;
+	return e && (e[0] > 0.0f || e[1] > 0.0f || e[2] > 0.0f);
+}
+
+/* What glows all over is taken together as well. */
+static void count_glowing(sorting_out *s)
+{
+	size_t glowing = 0, kept = s->tile->kept->count;
+	for (size_t i = 0; i < kept; i++)
+		glowing += glows(s->tile->kept, i);
+	s->few_glow = glowing < kept / FEW_GLOW;
+}
+
+/* The level of the cubes that a point may be taken together with others in; 0: it stays alone. */
+static uint32_t level_of(const sorting_out *s, size_t point)
+{
+	const gw_points *kept = s->tile->kept;
+	const double *at = kept->position + 3 * point;
+	double distance = distance_of(s, at), widths = CUBE_ANGLE * distance / s->spacing;
+	if (!(widths >= 2.0) || !isfinite(widths) || (s->few_glow && glows(kept, point)) ||
+		(kept->stray && kept->stray[point]))
+		return 0;
+	for (size_t k = 0; k < s->lighting->light_count; k++)
+		if (shades(s, &s->lighting->light[k], at, distance))
+			return 0;
+	return (uint32_t)fmin(log2(widths), LEVEL_MOST);
+}
+
+/* ----------------------------------------------------------------------------------- grouping */
+
+static uint64_t key_of(const sorting_out *s, size_t point)
+{
+	uint32_t level = level_of(s, point);
+	const double width = ldexp(s->spacing, (int)level);
+	const double *at = s->tile->kept->position + 3 * point;
+	int64_t cell[5] = { (int64_t)point, 0, 0, 0, level };
+	for (size_t k = 0; level > 0 && k < 3; k++)
+		cell[k] = (int64_t)floor(at[k] / width);
+	if (level > 0)
+		cell[3] = gw_facing_side(s->tile->light->normal + 3 * point);
+	return gw_hash(0, cell, sizeof cell);
+}
+
+static gw_status no_memory(const sorting_out *s, gw_error *error)
+{
+	return gw_fail(error, GW_ERROR_MEMORY, "no memory to take %zu points together",
+				   s->tile->kept->count);
+}
+
+/* Numbers the groups; points that are in the tile or its halo have none. */
+static gw_status find_groups(sorting_out *s, gw_error *error)
+{
+	size_t kept = s->tile->kept->count, count = 0;
+	s->group = gw_allocate_zeros(kept, sizeof *s->group);
+	s->keyed = gw_allocate_array(kept, sizeof *s->keyed);
+	if (!s->group || !s->keyed)
+		return no_memory(s, error);
+	for (size_t i = 0; i < s->tile->replaced_count; i++)
+		if (s->tile->replaced[i] < kept)
+			s->group[s->tile->replaced[i]] = NOWHERE;
+	for (size_t i = 0; i < kept; i++)
+		if (s->group[i] != NOWHERE)
+			s->keyed[count++] = (gw_keyed){ key_of(s, i), (uint32_t)i };
+	if (!gw_sort_keyed(&s->keyed, count, 64, s->lighting->options->threads))
+		return no_memory(s, error);
+	for (size_t i = 0; i < count; i++) {
+		s->groups += i == 0 || s->keyed[i].key != s->keyed[i - 1].key;
+		s->group[s->keyed[i].item] = s->groups - 1;
+	}
+	return GW_OK;
+}
+
+/* The middle of a group, and which of its points is nearest to that. */
+typedef struct middle {
+	double sum[3], count, nearest;
+	uint32_t point;
+} middle;
+
+static void add_up(const sorting_out *s, middle *of)
+{
+	const gw_points *kept = s->tile->kept;
+	for (size_t i = 0; i < kept->count; i++) {
+		if (s->group[i] == NOWHERE)
+			continue;
+		middle *m = &of[s->group[i]];
+		m->count += 1.0;
+		for (size_t k = 0; k < 3; k++)
+			m->sum[k] += kept->position[3 * i + k];
+	}
+}
+
+/* Of those that are as near the first one; of what has no place the only one. */
+static void find_nearest(const sorting_out *s, middle *of)
+{
+	const gw_points *kept = s->tile->kept;
+	for (size_t i = 0; i < kept->count; i++) {
+		if (s->group[i] == NOWHERE)
+			continue;
+		middle *m = &of[s->group[i]];
+		double square = 0.0;
+		for (size_t k = 0; k < 3; k++) {
+			double off = kept->position[3 * i + k] - m->sum[k] / m->count;
+			square += off * off;
+		}
+		if (m->point == NOWHERE || square < m->nearest) {
+			m->point = (uint32_t)i;
+			m->nearest = square;
+		}
+	}
+}
+
+/* Which points stand for others: 1 for each that does. */
+static uint8_t *choose(const sorting_out *s)
+{
+	uint8_t *chosen = gw_allocate_zeros(s->tile->kept->count, 1);
+	middle *of = gw_allocate_zeros(s->groups, sizeof *of);
+	for (uint32_t g = 0; of && g < s->groups; g++)
+		of[g].point = NOWHERE;
+	if (of && chosen) {
+		add_up(s, of);
+		find_nearest(s, of);
+	}
+	for (uint32_t g = 0; of && chosen && g < s->groups; g++)
+		chosen[of[g].point] = 1;
+	free(of);
+	return chosen;
+}
+
+static bool is_chosen(const void *chosen, size_t point)
+{
+	return ((const uint8_t *)chosen)[point] != 0;
+}
+
+/* Numbers groups by the order of the points that stand for them. */
+static bool number_groups(sorting_out *s, const gw_point_subset *subset)
+{
+	uint32_t *row = gw_allocate_array(s->groups, sizeof *row);
+	for (size_t i = 0; row && i < subset->points.count; i++)
+		row[s->group[subset->from[i]]] = (uint32_t)i;
+	for (size_t i = 0; row && i < s->tile->kept->count; i++)
+		if (s->group[i] != NOWHERE)
+			s->group[i] = row[s->group[i]];
+	free(row);
+	return row != NULL;
+}
+
+/* ------------------------------------------------------------------------------- what they send */
+
+/* A part of the light of the points that were kept, and what it takes to find it. */
+typedef struct part {
+	const float *radiance, *less; /* what they send, W/(sr m^2); NULL, or what is none of it */
+	const float *irradiance[2];   /* or what they receive, W/m^2, in two parts */
+} part;
+
+/* What a point reflects, times pi. */
+static double reflected(const part *p, const float *albedo, size_t value)
+{
+	if (!p->radiance)
+		return (double)albedo[value] *
+			   ((double)p->irradiance[0][value] + (double)p->irradiance[1][value]);
+	double less = p->less && p->less[value] > 0.0f ? (double)p->less[value] : 0.0;
+	return M_PI * fmax((double)p->radiance[value] - less, 0.0);
+}
+
+/* The irradiance by which those that stand for others, with the mean of their albedo, send what all
+ * of these send together. What reflects nothing needs none. */
+static float *irradiance_of(const sorting_out *s, const part *p)
+{
+	const float *albedo = s->tile->light->albedo;
+	float *result = gw_allocate_array(s->groups, 3 * sizeof *result);
+	double *sum = gw_allocate_zeros(s->groups, 6 * sizeof *sum);
+	for (size_t i = 0; result && sum && i < s->tile->kept->count; i++) {
+		if (s->group[i] == NOWHERE)
+			continue;
+		double *of = sum + 6 * (size_t)s->group[i];
+		for (size_t c = 0; c < 3; c++) {
+			of[c] += reflected(p, albedo, 3 * i + c);
+			of[3 + c] += (double)albedo[3 * i + c];
+		}
+	}
+	for (size_t i = 0; result && sum && i < 3 * (size_t)s->groups; i++) {
+		const double *of = sum + 6 * (i / 3) + i % 3;
+		result[i] = of[3] > 0.0 ? (float)(of[0] / of[3]) : 0.0f;
+	}
+	free(sum);
+	if (sum)
+		return result;
+	free(result);
+	return NULL;
+}
+
+static bool find_light(const sorting_out *s, gw_far_points *far)
+{
+	const gw_bake_result *light = s->tile->light;
+	const part all = { .irradiance = { light->direct_irradiance, light->indirect_irradiance } };
+	const part rest = { .radiance = light->rest, .less = s->tile->kept->emission };
+	size_t lamps = light->lamp ? light->lamp_count : 0;
+	far->all = irradiance_of(s, &all);
+	far->rest = light->rest ? irradiance_of(s, &rest) : NULL;
+	far->lamp = light->lamp ? gw_allocate_zeros(lamps + 1, sizeof *far->lamp) : NULL;
+	bool good = far->all && (far->rest || !light->rest) && (far->lamp || !light->lamp);
+	for (size_t k = 0; good && k < lamps; k++) {
+		const part one = { .radiance = light->lamp[k] };
+		far->lamps = k + 1;
+		far->lamp[k] = irradiance_of(s, &one);
+		good = far->lamp[k] != NULL;
+	}
+	return good;
+}
+
+/* Gives those that stand for others the mean of all of these, of so many values each.
+ *   own   NULL where none are given */
+static bool take_means(const sorting_out *s, const float *given, size_t values, float *own)
+{
+	uint32_t *count = own ? gw_allocate_zeros(s->groups, sizeof *count) : NULL;
+	if (!own || !count)
+		return !own;
+	memset(own, 0, values * s->groups * sizeof *own);
+	for (size_t i = 0; i < s->tile->kept->count; i++) {
+		size_t g = s->group[i];
+		if (g == NOWHERE)
+			continue;
+		count[g]++;
+		for (size_t c = 0; c < values; c++)
+			own[values * g + c] += (given[values * i + c] - own[values * g + c]) / (float)count[g];
+	}
+	free(count);
+	return true;
+}
+
+/* -------------------------------------------------------------------------------- all of it */
+
+static gw_status make(sorting_out *s, gw_far_points *far, gw_error *error)
+{
+	find_box(s);
+	count_glowing(s);
+	GW_TRY(find_groups(s, error));
+	uint8_t *chosen = choose(s);
+	if (!chosen)
+		return no_memory(s, error);
+	const gw_subset_choice choice = { 1, 1, is_chosen, chosen, false };
+	gw_status status = gw_point_subset_make(s->tile->kept, &choice, &far->subset, error);
+	free(chosen);
+	GW_TRY(status);
+	const gw_points *kept = s->tile->kept;
+	bool good = number_groups(s, &far->subset) && find_light(s, far) &&
+				take_means(s, kept->albedo, 3, far->subset.albedo) &&
+				take_means(s, kept->emission, 3, far->subset.emission) &&
+				take_means(s, kept->opacity, 1, far->subset.opacity);
+	return good ? GW_OK : no_memory(s, error);
+}
+
+gw_status gw_far_points_make(const gw_tile *tile, const gw_tile_lighting *lighting,
+							 gw_far_points *far, gw_error *error)
+{
+	sorting_out s = { .tile = tile,
+					  .lighting = lighting,
+					  .spacing = (double)tile->light->report.spacing };
+	*far = (gw_far_points){ .all = NULL };
+	gw_status status = make(&s, far, error);
+	free(s.group);
+	free(s.keyed);
+	return status;
+}
+
+void gw_far_points_clear(gw_far_points *far)
+{
+	for (size_t k = 0; k < far->lamps; k++)
+		free(far->lamp[k]);
+	free(far->lamp);
+	free(far->all);
+	free(far->rest);
+	gw_point_subset_clear(&far->subset);
+	*far = (gw_far_points){ .all = NULL };
+}
