@@ -112,6 +112,14 @@ static float spacing_of(const gw_check_discs *discs, size_t surfel)
 	return sqrtf(discs->surfels->area[surfel]);
 }
 
+/* Rays that backs stop, and that start within the reach of a disc behind it: does it stick out
+ * there over the edge of something, on whose other side they start? */
+static bool sticks_out(const walk *w, size_t surfel, gw_vec3 from, float t)
+{
+	float radius = w->discs->surfels->radius[surfel];
+	return w->ray->both_sides && t < w->ray->own && gw_dot(from, from) < radius * radius;
+}
+
 static void hit_disc(uint32_t surfel, walk *w)
 {
 	const gw_check_ray *ray = w->ray;
@@ -132,7 +140,8 @@ static void hit_disc(uint32_t surfel, walk *w)
 	bool other = transparency > 0.0f && -height >= spacing_of(w->discs, surfel);
 	if (squared > large_radius * large_radius || (own && approach > 0.0f && !other))
 		return;
-	bool small = squared <= (ray->whole ? small_squared / (SMALL * SMALL) : small_squared) &&
+	bool small = !(approach > 0.0f && !other && sticks_out(w, surfel, from, t)) &&
+				 squared <= (ray->whole ? small_squared / (SMALL * SMALL) : small_squared) &&
 				 !is_cut_off(w->discs, surfel, at) &&
 				 !(own && ray->both_sides && height < RISE * sqrtf(small_squared));
 	if (approach > 0.0f && !ray->both_sides && !s->two_sided[surfel] && !(transparency > 0.0f)) {

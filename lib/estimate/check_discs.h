@@ -42,7 +42,8 @@ typedef struct gw_check_ray {
 	gw_vec3 origin, direction; /* metres; unit */
 	gw_vec3 facing;            /* normal of the surface that it leaves */
 	/* Metres. So near, discs that face alike are of the surface that it leaves: their backs are not
-	 * met, nor, by rays that backs stop, fronts that hardly rise above it. */
+	 * met, nor, by rays that backs stop, fronts that hardly rise above it, nor backs of small discs
+	 * whose radius it starts within: they stick out over the edge that it starts beside. */
 	float own;
 	float t_max;     /* metres */
 	bool both_sides; /* backs of discs stop it */

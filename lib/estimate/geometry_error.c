@@ -26,7 +26,7 @@
 #define RAYS_MOST 32768u
 
 /* Points that look at the lamps, and the least, where lamps are many or have an extent. */
-#define LAMP_POINTS_MOST 400u
+#define LAMP_POINTS_MOST 4000u
 #define LAMP_POINTS_LEAST 50u
 
 /* So near, discs that face alike are of the surface that a ray leaves: radii, and of records, which

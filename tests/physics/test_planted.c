@@ -524,6 +524,24 @@ static void clumps_are_no_shadows(void **state)
 	scene_clear(&s);
 }
 
+/* A floor in furrows with slopes of 54 degrees: over their edges stick out the discs of the other
+ * side, behind which no point lies. */
+static void edges_are_no_shadows(void **state)
+{
+	(void)state;
+	const gw_light lamp = scene_point_light(1.0, 1.0, 1.2, 2.0f);
+	const double along[3] = { 0.0, 2.0, 0.0 };
+	scene s = { 0 };
+	for (int k = 0; k < 8; k++) {
+		const double low[3] = { 0.25 * k, 0.0, 0.1 }, high[3] = { 0.25 * k + 0.125, 0.0, 0.275 };
+		const double up[3] = { 0.125, 0.0, 0.175 }, down[3] = { 0.125, 0.0, -0.175 };
+		scene_add_patch(&s, &(scene_patch){ low, up, along, 7, 60 }, 0.6f);
+		scene_add_patch(&s, &(scene_patch){ high, down, along, 7, 60 }, 0.6f);
+	}
+	assert_little_added("furrows under a lamp", &s, &lamp);
+	scene_clear(&s);
+}
+
 /* Bakes a closed sphere with a lamp, of which E_ind = rho Phi / (4 pi R^2 (1 - rho)) = 2 is known;
  * how far all radiance is off of its mean. */
 static double lit_sphere_error(size_t count, uint64_t seed, gw_error_estimate *said)
@@ -589,6 +607,7 @@ int main(void)
 		cmocka_unit_test(sides_that_are_seen_from_above),
 		cmocka_unit_test(nothing_is_added_where_all_is_right),
 		cmocka_unit_test(clumps_are_no_shadows),
+		cmocka_unit_test(edges_are_no_shadows),
 		cmocka_unit_test(no_more_than_is_true),
 		cmocka_unit_test(leaves_of_few_points),
 	};
