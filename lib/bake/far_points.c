@@ -6,6 +6,7 @@
 #include "base/hash.h"
 #include "base/key_sort.h"
 #include "base/memory.h"
+#include "base/parallel.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -24,66 +25,155 @@
 /* Lamps are made of less than one point in so many. */
 #define FEW_GLOW 8u
 
+/* Halvings of the box around a tile, by which a few strays beside it do not make it wide. */
+#define HALVINGS 4u
+#define BOXES (1u << HALVINGS)
+
+#define CHUNK 4096u
+
 /* Of a point that is in the tile or its halo. */
 #define NOWHERE UINT32_MAX
+
+typedef struct box {
+	double low[3], high[3];
+} box;
 
 typedef struct sorting_out {
 	const gw_tile *tile;
 	const gw_tile_lighting *lighting;
-	double low[3], high[3]; /* of the tile's own points */
-	double spacing;         /* between those that were kept, metres */
-	uint32_t *group;        /* of each that was kept, or NOWHERE */
+	box box[BOXES]; /* around the tile's own points */
+	size_t boxes;
+	double spacing;  /* between those that were kept, metres */
+	uint32_t *group; /* of each that was kept, or NOWHERE */
 	uint32_t groups;
-	gw_keyed *keyed;
+	gw_keyed *keyed; /* keys: of points that are neither in the tile nor in its halo */
+	size_t keys;
 	bool few_glow;
 } sorting_out;
 
 /* ---------------------------------------------------------------------------------- how far */
 
-static void find_box(sorting_out *s)
+static box around(const gw_points *points, const uint32_t *point, size_t count)
 {
-	const gw_points *near = s->tile->near;
+	box b;
 	for (size_t k = 0; k < 3; k++) {
-		s->low[k] = INFINITY;
-		s->high[k] = -INFINITY;
+		b.low[k] = INFINITY;
+		b.high[k] = -INFINITY;
 	}
-	for (size_t i = 0; i < near->count; i++)
-		for (size_t k = 0; s->tile->core[i] && k < 3; k++) {
-			s->low[k] = fmin(s->low[k], near->position[3 * i + k]);
-			s->high[k] = fmax(s->high[k], near->position[3 * i + k]);
+	for (size_t i = 0; i < count; i++)
+		for (size_t k = 0; k < 3; k++) {
+			b.low[k] = fmin(b.low[k], points->position[3 * (size_t)point[i] + k]);
+			b.high[k] = fmax(b.high[k], points->position[3 * (size_t)point[i] + k]);
 		}
+	return b;
 }
 
-/* From the tile's box; not a number of places that are none. */
-static double distance_of(const sorting_out *s, const double at[3])
+static size_t longest(const box *b)
+{
+	size_t axis = 0;
+	for (size_t k = 1; k < 3; k++)
+		if (b->high[k] - b->low[k] > b->high[axis] - b->low[axis])
+			axis = k;
+	return axis;
+}
+
+/* Sorts points into those below a place along an axis, of which it returns how many there are, and
+ * the others. */
+static size_t part_along(const gw_points *points, uint32_t *point, size_t count, size_t axis,
+						 double at)
+{
+	size_t below = 0;
+	for (size_t i = 0; i < count; i++) {
+		uint32_t own = point[i];
+		if (!(points->position[3 * (size_t)own + axis] < at))
+			continue;
+		point[i] = point[below];
+		point[below++] = own;
+	}
+	return below;
+}
+
+/* Boxes around some of the tile's points, halved so often. */
+static void add_boxes(sorting_out *s, uint32_t *point, size_t count, uint32_t halvings)
+{
+	const gw_points *near = s->tile->near;
+	box b = around(near, point, count);
+	size_t axis = longest(&b);
+	size_t below = halvings > 0
+					   ? part_along(near, point, count, axis, 0.5 * (b.low[axis] + b.high[axis]))
+					   : count;
+	if (below == 0 || below == count) {
+		s->box[s->boxes++] = b;
+		return;
+	}
+	add_boxes(s, point, below, halvings - 1);
+	add_boxes(s, point + below, count - below, halvings - 1);
+}
+
+/* What has no place is nowhere. */
+static bool find_boxes(sorting_out *s)
+{
+	const gw_points *near = s->tile->near;
+	size_t count = 0;
+	uint32_t *point = gw_allocate_array(near->count, sizeof *point);
+	for (size_t i = 0; point && i < near->count; i++) {
+		const double *at = near->position + 3 * i;
+		if (s->tile->core[i] && isfinite(at[0]) && isfinite(at[1]) && isfinite(at[2]))
+			point[count++] = (uint32_t)i;
+	}
+	if (count > 0)
+		add_boxes(s, point, count, HALVINGS);
+	free(point);
+	return point != NULL;
+}
+
+/* Not a number of places that are none. */
+static double distance_between(const box *b, const double at[3])
 {
 	double square = 0.0;
 	for (size_t k = 0; k < 3; k++) {
-		double off = at[k] < s->low[k] ? s->low[k] - at[k] : at[k] - s->high[k];
+		double off = at[k] < b->low[k] ? b->low[k] - at[k] : at[k] - b->high[k];
 		square += off < 0.0 ? 0.0 : off * off;
 	}
 	return sqrt(square);
 }
 
-/* Does a ray from a place meet the box with so much around it? */
-static bool meets_box(const sorting_out *s, const double at[3], const double toward[3],
-					  double around)
+/* From the nearest of the tile's boxes. */
+static double distance_of(const sorting_out *s, const double at[3])
+{
+	double distance = INFINITY;
+	for (size_t i = 0; i < s->boxes; i++)
+		distance = fmin(distance, distance_between(&s->box[i], at));
+	return distance;
+}
+
+/* Does a ray from a place meet a box with so much around it? */
+static bool meets_box(const box *b, const double at[3], const double toward[3], double more)
 {
 	double enter = 0.0, leave = INFINITY;
 	for (size_t k = 0; k < 3; k++) {
-		double a = s->low[k] - around - at[k], b = s->high[k] + around - at[k];
+		double near = b->low[k] - more - at[k], far = b->high[k] + more - at[k];
 		if (toward[k] == 0.0) {
-			leave = a > 0.0 || b < 0.0 ? -1.0 : leave;
+			leave = near > 0.0 || far < 0.0 ? -1.0 : leave;
 			continue;
 		}
-		enter = fmax(enter, fmin(a / toward[k], b / toward[k]));
-		leave = fmin(leave, fmax(a / toward[k], b / toward[k]));
+		enter = fmax(enter, fmin(near / toward[k], far / toward[k]));
+		leave = fmin(leave, fmax(near / toward[k], far / toward[k]));
 	}
 	return enter <= leave;
 }
 
-/* How far a light reaches to the sides of its middle, in metres, seen past a place: what gives
- * shadows there half of their penumbra. */
+static bool meets_tile(const sorting_out *s, const double at[3], const double toward[3],
+					   double more)
+{
+	bool meets = false;
+	for (size_t i = 0; i < s->boxes && !meets; i++)
+		meets = meets_box(&s->box[i], at, toward, more);
+	return meets;
+}
+
+/* How far a light reaches to the sides of its middle, metres: seen past a place, that gives shadows
+ * half of their penumbra. */
 static double widest(const gw_light *light)
 {
 	double size = hypot((double)light->size[0], (double)light->size[1]);
@@ -93,18 +183,18 @@ static double widest(const gw_light *light)
 /* May a place cast a shadow of a light on the tile? */
 static bool shades(const sorting_out *s, const gw_light *light, const double at[3], double distance)
 {
-	double toward[3], around = BESIDE * s->spacing;
+	double toward[3], more = BESIDE * s->spacing;
 	if (light->type == GW_LIGHT_ENVIRONMENT)
 		return false;
 	if (light->type == GW_LIGHT_SUN) {
-		around += distance * tan(0.5 * M_PI / 180.0 * (double)light->angle);
-		return meets_box(s, at, light->direction, around);
+		more += distance * tan(0.5 * M_PI / 180.0 * (double)light->angle);
+		return meets_tile(s, at, light->direction, more);
 	}
 	for (size_t k = 0; k < 3; k++)
 		toward[k] = at[k] - light->position[k];
 	double from = sqrt(toward[0] * toward[0] + toward[1] * toward[1] + toward[2] * toward[2]);
-	around += from > 0.0 ? distance * widest(light) / from : INFINITY;
-	return meets_box(s, at, toward, around);
+	more += from > 0.0 ? distance * widest(light) / from : INFINITY;
+	return meets_tile(s, at, toward, more);
 }
 
 static bool glows(const gw_points *points, size_t point)
@@ -158,10 +248,19 @@ static gw_status no_memory(const sorting_out *s, gw_error *error)
 				   s->tile->kept->count);
 }
 
+static void find_keys(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const sorting_out *s = user;
+	(void)worker;
+	for (size_t i = first; i < last; i++)
+		s->keyed[i].key = key_of(s, s->keyed[i].item);
+}
+
 /* Numbers the groups; points that are in the tile or its halo have none. */
 static gw_status find_groups(sorting_out *s, gw_error *error)
 {
-	size_t kept = s->tile->kept->count, count = 0;
+	size_t kept = s->tile->kept->count;
+	uint32_t threads = s->lighting->options->threads;
 	s->group = gw_allocate_zeros(kept, sizeof *s->group);
 	s->keyed = gw_allocate_array(kept, sizeof *s->keyed);
 	if (!s->group || !s->keyed)
@@ -171,10 +270,11 @@ static gw_status find_groups(sorting_out *s, gw_error *error)
 			s->group[s->tile->replaced[i]] = NOWHERE;
 	for (size_t i = 0; i < kept; i++)
 		if (s->group[i] != NOWHERE)
-			s->keyed[count++] = (gw_keyed){ key_of(s, i), (uint32_t)i };
-	if (!gw_sort_keyed(&s->keyed, count, 64, s->lighting->options->threads))
+			s->keyed[s->keys++] = (gw_keyed){ .item = (uint32_t)i };
+	gw_parallel_for(threads, s->keys, CHUNK, find_keys, s);
+	if (!gw_sort_keyed(&s->keyed, s->keys, 64, threads))
 		return no_memory(s, error);
-	for (size_t i = 0; i < count; i++) {
+	for (size_t i = 0; i < s->keys; i++) {
 		s->groups += i == 0 || s->keyed[i].key != s->keyed[i - 1].key;
 		s->group[s->keyed[i].item] = s->groups - 1;
 	}
@@ -343,7 +443,8 @@ static bool take_means(const sorting_out *s, const float *given, size_t values, 
 
 static gw_status make(sorting_out *s, gw_far_points *far, gw_error *error)
 {
-	find_box(s);
+	if (!find_boxes(s))
+		return no_memory(s, error);
 	count_glowing(s);
 	GW_TRY(find_groups(s, error));
 	uint8_t *chosen = choose(s);
