@@ -83,17 +83,26 @@ static void tick(const panel *p, FILE *out, double value, bool upright)
 				y + PANEL_HEIGHT + 18.0, value);
 }
 
+/* Pixels between the middles of numbers that stand beside each other. */
+#define NUMBER_WIDTH 30.0
+
 /* Ticks at 1, 2 and 5; where a range is short, at every tenth of the decade's unit. */
 static void draw_ticks(const panel *p, FILE *out, bool upright)
 {
 	double least = upright ? p->y_least : p->x_least, most = upright ? p->y_most : p->x_most;
 	bool narrow = most - least < 0.6;
+	double last = -INFINITY;
 	for (int decade = (int)floor(least); decade <= (int)ceil(most); decade++)
 		for (int k = 10; k < 100; k += narrow && k >= 20 ? 5 : 1) {
 			double value = k * 0.1 * pow(10.0, decade);
 			bool round = k == 10 || k == 20 || k == 50 || narrow;
-			if (round && log10(value) >= least && log10(value) <= most)
-				tick(p, out, value, upright);
+			bool inside = log10(value) >= least && log10(value) <= most;
+			double next = k > 90 ? place_x(p, pow(10.0, decade + 1)) : INFINITY;
+			double x = place_x(p, value);
+			if (!round || !inside || (!upright && fmin(x - last, next - x) < NUMBER_WIDTH))
+				continue;
+			last = x;
+			tick(p, out, value, upright);
 		}
 }
 
@@ -182,7 +191,7 @@ static box place_label(const tradeoff *t, const panel *p, size_t i, const box *s
 {
 	double width = LETTER_WIDTH * (double)strlen(t->run[i].name), least = INFINITY;
 	box mark = mark_box(t, p, i), best = { 0 };
-	for (int k = 0; k < 14; k++) {
+	for (int k = 0; k < 24; k++) {
 		double shift = LABEL_HEIGHT * (k / 4 + (k / 2 % 2)) * (k / 2 % 2 ? -0.5 : 0.5);
 		double left = k % 2 ? mark.left - 3.0 - width : mark.right + 3.0;
 		double top = 0.5 * (mark.top + mark.bottom - LABEL_HEIGHT) + shift * 2.0;
@@ -217,6 +226,15 @@ static void draw_mark(gw_method method, double x, double y, FILE *out)
 		fprintf(out, "<path class=\"volume\" d=\"M%.1f %.1fl5.5 10h-11z\"/>\n", x, y - 6.0);
 }
 
+/* From a label that stands further up or down to its mark. */
+static void draw_leader(const box *label, bool left, double x, double y, FILE *out)
+{
+	double middle = 0.5 * (label->top + label->bottom);
+	if (fabs(middle - y) > 0.75 * LABEL_HEIGHT)
+		fprintf(out, "<path class=\"leader\" d=\"M%.1f %.1fL%.1f %.1f\"/>\n", x, y,
+				left ? label->right + 1.0 : label->left - 1.0, middle);
+}
+
 static void draw_marks(const tradeoff *t, const panel *p, FILE *out)
 {
 	box stands[TRADEOFF_RUNS];
@@ -226,10 +244,11 @@ static void draw_marks(const tradeoff *t, const panel *p, FILE *out)
 			continue;
 		const tradeoff_run *run = &t->run[i];
 		double x = place_x(p, x_of(p, run)), y = place_y(p, y_of(run));
-		draw_mark(run->bake.method, x, y, out);
 		box label = place_label(t, p, i, stands, count);
 		stands[count++] = label;
 		bool left = label.left < x;
+		draw_leader(&label, left, x, y, out);
+		draw_mark(run->bake.method, x, y, out);
 		fprintf(out, "<text class=\"label\" x=\"%.1f\" y=\"%.1f\" text-anchor=\"%s\">%s</text>\n",
 				left ? label.right : label.left, label.bottom - 3.5, left ? "end" : "start",
 				run->name);
@@ -247,7 +266,7 @@ void tradeoff_plot_write(const tradeoff *t, FILE *out)
 			width, height, width, height);
 	fputs("<style>text{font:12px sans-serif;fill:#333}.axis{font-size:13px}.label{font-size:11px}"
 		  ".grid{stroke:#ddd}.frame{fill:none;stroke:#333}"
-		  ".front{fill:none;stroke:#888;stroke-width:1.5}"
+		  ".front{fill:none;stroke:#888;stroke-width:1.5}.leader{stroke:#888;stroke-width:0.6}"
 		  ".rays{fill:#1f6fb4}.cones{fill:#d9730d}.volume{fill:#2e7d4f}"
 		  ".buffers{fill:#b03a5b}.lpv{fill:#8a9a2b}.probes{fill:#7a4fa3}</style>\n",
 		  out);

@@ -196,6 +196,9 @@ static size_t pick(const gw_points *points, const handed_back *back, double *val
 	return kept;
 }
 
+/* Runs that are as near beat each other by more than the seconds of the same run differ by. */
+#define FASTER 0.9
+
 static void find_front(tradeoff *t)
 {
 	for (size_t i = 0; i < t->count; i++) {
@@ -204,8 +207,8 @@ static void find_front(tradeoff *t)
 		for (size_t j = 0; j < t->count; j++) {
 			const tradeoff_run *b = &t->run[j];
 			double near = b->difference.rel_rmse - a->difference.rel_rmse;
-			bool better =
-				b->seconds <= a->seconds && near <= 0.0 && (b->seconds < a->seconds || near < 0.0);
+			bool better = near < 0.0 ? b->seconds <= a->seconds
+									 : near <= 0.0 && b->seconds < FASTER * a->seconds;
 			if (b->status == GW_OK && better)
 				a->front = false;
 		}

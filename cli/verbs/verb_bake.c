@@ -10,7 +10,7 @@
 #include "result/light_shares.h"
 #include "result/lit_scan.h"
 #include "result/tiled_result.h"
-#include "scene/mesh_notes.h"
+#include "scene/input_notes.h"
 #include "scene/region_text.h"
 #include "options/output_name.h"
 #include "options/output_scanners.h"
@@ -145,12 +145,15 @@ static gw_status check(bake *b)
 	return output_shift_read(s->shift, b->format, &s->shifting, b->error);
 }
 
-/* Can grids be written there? path may be NULL. */
+/* Can grids be written, and there? path may be NULL. */
 static gw_status probe_grids(bake *b, const char *path)
 {
 	struct stat info;
 	output_file *probe;
-	if (!path || strcmp(path, "-") == 0 || (stat(path, &info) == 0 && !S_ISREG(info.st_mode)))
+	if (!path)
+		return GW_OK;
+	GW_TRY(vdb_load(b->error));
+	if (strcmp(path, "-") == 0 || (stat(path, &info) == 0 && !S_ISREG(info.st_mode)))
 		return GW_OK;
 	GW_TRY(output_file_create(&probe, path, b->settings->force, b->error));
 	output_file_abandon(&probe);
@@ -178,77 +181,12 @@ static gw_status open_outputs(bake *b)
 
 /* ------------------------------------------------------------------------------- the bake */
 
-#define ALBEDO_DARK 0.03   /* mean of charcoal; no scan of a place is darker */
-#define ALBEDO_BRIGHT 0.85 /* of fresh snow */
-#define ALBEDO_USUAL 0.2   /* of most places */
-
-/* What was told of colours by their values alone, and what looks wrong with them as a whole. */
-static void note_colors(const settings *s, const loaded_input *input)
-{
-	const char *name = loaded_scene_input_name(input->path);
-	double mean = input->albedo_mean;
-	if (input->albedo_told)
-		text_message(stderr, "glowworm: note: %s: the albedo is from %s\n", name,
-					 input->albedo_source);
-	if (input->albedo_missing || input->is_mesh || input->lit || s->points.scale != 1.0f ||
-		s->points.white > 0.0f)
-		return;
-	if (mean < ALBEDO_DARK && mean > 0.0)
-		text_message(stderr,
-					 "glowworm: note: %s: the albedo is %.2g on average, which is darker than "
-					 "charcoal; --albedo-scale %.2g makes it %g, and --input-gamma linear does not "
-					 "decode it\n",
-					 name, mean, ALBEDO_USUAL / mean, ALBEDO_USUAL);
-	if (mean > ALBEDO_BRIGHT)
-		text_message(
-			stderr,
-			"glowworm: note: %s: the albedo is %.2g on average, as bright as snow, so that "
-			"light hardly ends; --albedo-scale %.2g makes it 0.5\n",
-			name, mean, 0.5 / mean);
-}
-
-/* A lamp without units beside one that has some: nobody said that its numbers are in the same. */
-static void note_units(const settings *s)
-{
-	size_t with = 0, without = 0;
-	while (with < s->light_count && s->light[with].units == LIGHT_UNITS_UNSAID)
-		with++;
-	while (without < s->light_count && s->light[without].units != LIGHT_UNITS_UNSAID)
-		without++;
-	if (s->units_said || with == s->light_count || without == s->light_count)
-		return;
-	const char *unit =
-		s->units == LIGHT_UNITS_PHOTOMETRIC ? "lm, cd, lx or cd/m^2" : "W, W/sr, W/m^2 or W/sr/m^2";
-	fprintf(stderr,
-			"glowworm: note: light %zu has no units; its numbers are taken for %s, as those of "
-			"light %zu are\n",
-			without + 1, unit, with + 1);
-}
-
-static void note_inputs(const bake *b)
+/* A column that is made anew. */
+static void note_quality(const bake *b)
 {
 	bool lit = true;
-	for (size_t i = 0; i < b->scene.input_count; i++) {
-		const loaded_input *input = &b->scene.input[i];
-		lit = lit && input->lit;
-		mesh_notes_print(&input->mesh, loaded_scene_input_name(input->path),
-						 b->settings->points.albedo != SCAN_ALBEDO_AUTO ||
-							 b->settings->input[i].has_albedo);
-		if (input->albedo_missing)
-			text_message(stderr, "glowworm: note: %s: the albedo is %s\n",
-						 loaded_scene_input_name(input->path), input->albedo_source);
-		note_colors(b->settings, input);
-	}
-	if (b->scene.place.changes)
-		text_message(stderr,
-					 "glowworm: note: the coordinates are %s, %s; the places of lamps are too, all "
-					 "other lengths are metres; points keep their coordinates%s\n",
-					 b->scene.place.name,
-					 b->scene.place.by_file ? "as the file says" : "as asked for",
-					 b->settings->vdb ? ", grids are in metres" : "");
-	for (size_t c = 0; c < b->scene.cloud.comment_count; c++)
-		if (strncmp(b->scene.cloud.comment[c], SCAN_NOTE, strlen(SCAN_NOTE)) == 0)
-			text_message(stderr, "glowworm: %s\n", b->scene.cloud.comment[c]);
+	for (size_t i = 0; i < b->scene.input_count; i++)
+		lit = lit && b->scene.input[i].lit;
 	if (!lit && b->settings->output && scan_find(&b->scene.cloud, "quality"))
 		fprintf(stderr, "glowworm: note: the column 'quality' that came in is replaced by the "
 						"luminance\n");
@@ -357,8 +295,8 @@ static gw_status read_inputs(bake *b)
 		glossy_points_apply(b->settings, &b->scene);
 	progress_clear(&b->progress);
 	if (status == GW_OK && !b->settings->quiet) {
-		note_inputs(b);
-		note_units(b->settings);
+		input_notes_print(b->settings, &b->scene);
+		note_quality(b);
 	}
 	b->facts.read_seconds = now() - start;
 	return status;

@@ -5,6 +5,7 @@
 #include "result/lit_scan.h"
 #include "scene/file_roles.h"
 #include "scene/glossy_points.h"
+#include "scene/input_notes.h"
 #include "options/progress.h"
 #include "options/quality_preset.h"
 #include "scene/scene_file.h"
@@ -49,6 +50,8 @@ static gw_status read_scene(plan *p)
 					   "what to plan for? Name an input, or - for standard input");
 	s->bake.drivers = p->drivers = gw_drivers_load();
 	GW_TRY(loaded_scene_read(s, &p->scene, p->error));
+	if (!s->quiet)
+		input_notes_print(s, &p->scene);
 	glossy_points_apply(s, &p->scene);
 	GW_TRY(loaded_scene_lights(&p->scene, s, &p->light, p->error));
 	p->read_seconds = gw_seconds() - start;

@@ -6,11 +6,13 @@
 #include "pictures/render_cameras.h"
 #include "program/text_quote.h"
 #include "files/input_file.h"
+#include "grids/vdb_grids.h"
 #include "result/bake_plan.h"
 #include "result/probe_files.h"
 #include "scene/file_roles.h"
 #include "scene/stream_roles.h"
 #include "scene/glossy_points.h"
+#include "scene/input_notes.h"
 #include "scene/scene_file.h"
 #include "glowworm_host.h"
 
@@ -86,11 +88,14 @@ static gw_status check_picture(const settings *s, gw_error *error)
 	return GW_OK;
 }
 
-/* Whether a file of grids can be made there, before the work. */
+/* Whether a file of grids can be made, and there, before the work. */
 static gw_status check_grids(const settings *s, gw_error *error)
 {
 	output_file *trial = NULL;
-	if (!s->vdb || stream_roles_standard(s->vdb))
+	if (!s->vdb)
+		return GW_OK;
+	GW_TRY(vdb_load(error));
+	if (stream_roles_standard(s->vdb))
 		return GW_OK;
 	GW_TRY(output_file_create(&trial, s->vdb, s->force, error));
 	output_file_abandon(&trial);
@@ -125,6 +130,8 @@ static gw_status read_scene(probing *p)
 	GW_TRY(open_outputs(p));
 	s->bake.drivers = p->drivers = gw_drivers_load();
 	GW_TRY(loaded_scene_read(s, &p->scene, p->error));
+	if (!s->quiet)
+		input_notes_print(s, &p->scene);
 	glossy_points_apply(s, &p->scene);
 	if (s->save_transport)
 		GW_TRY(output_file_check_room(s->save_transport, TRANSPORT_BYTES * p->scene.cloud.count,

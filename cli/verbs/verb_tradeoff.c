@@ -2,6 +2,7 @@
 #include "scene/file_roles.h"
 #include "scene/stream_roles.h"
 #include "scene/glossy_points.h"
+#include "scene/input_notes.h"
 #include "files/output_file.h"
 #include "scene/scene_file.h"
 #include "program/exit_code.h"
@@ -172,6 +173,8 @@ static gw_status run(sweep *w)
 	GW_TRY(scene_read_all(s, w->error));
 	GW_TRY(check(w));
 	GW_TRY(loaded_scene_read(s, &w->scene, w->error));
+	if (!s->quiet)
+		input_notes_print(s, &w->scene);
 	glossy_points_apply(s, &w->scene);
 	GW_TRY(loaded_scene_lights(&w->scene, s, &w->light, w->error));
 	/* Each run has its settings from the start, and says how wrong it is. */
