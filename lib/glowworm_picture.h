@@ -536,6 +536,9 @@ typedef struct gw_reflection {
 	void *user;
 } gw_reflection;
 
+/* Rays whose noise a rough pixel has: caches leave less than few rays. */
+uint32_t gw_reflection_rays(const gw_reflection *reflection, float roughness);
+
 /*
  * Builds the octree and puts the radiance into it.
  *   radiance   3 * surfels->count

@@ -21,16 +21,19 @@
 
 typedef struct filter {
 	const gw_pixels *pixels;
-	uint32_t width, height, rays;
+	const gw_reflection *reflection;
+	uint32_t width, height;
 	uint32_t *listed; /* of each pixel of the picture, its number plus one */
 	float *light;     /* 3 a pixel: reflected light over the share */
 } filter;
 
 static int reach_of(const filter *f, size_t pixel)
 {
-	float rough = (f->pixels->position[4 * pixel + 3] - SHARP) / (BLURRED - SHARP);
+	float roughness = f->pixels->position[4 * pixel + 3];
+	float rough = (roughness - SHARP) / (BLURRED - SHARP);
 	float reach = REACH * fminf(fmaxf(rough, 0.0f), 1.0f);
-	return (int)(reach * fminf(1.0f, RAYS / (float)f->rays) + 0.5f);
+	float rays = (float)gw_reflection_rays(f->reflection, roughness);
+	return (int)(reach * fminf(1.0f, RAYS / rays) + 0.5f);
 }
 
 static bool same_surface(const gw_pixels *p, size_t a, size_t b)
@@ -97,10 +100,10 @@ static void spread_speck(const filter *f, size_t pixel)
 	}
 }
 
-gw_status gloss_filter_apply(const gw_pixels *pixels, uint32_t rays, float *reflected,
-							 gw_error *error)
+gw_status gloss_filter_apply(const gw_pixels *pixels, const gw_reflection *reflection,
+							 float *reflected, gw_error *error)
 {
-	filter f = { pixels, pixels->width, pixels->height, rays, NULL, NULL };
+	filter f = { pixels, reflection, pixels->width, pixels->height, NULL, NULL };
 	f.listed = calloc((size_t)f.width * f.height, sizeof *f.listed);
 	f.light = calloc(pixels->count + 1, 3 * sizeof *f.light);
 	bool good = f.listed && f.light;

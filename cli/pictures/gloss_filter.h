@@ -12,11 +12,11 @@
  * four pixels at 0.5, and falls with the number of rays, so that more rays still come nearer to the
  * truth.
  *   pixels      with places
- *   rays        of a pixel
+ *   reflection  how they were found
  *   reflected   4 * pixels->count, as of gw_render_octree_reflect; shares stay
  * GW_ERROR_MEMORY.
  */
-gw_status gloss_filter_apply(const gw_pixels *pixels, uint32_t rays, float *reflected,
-							 gw_error *error);
+gw_status gloss_filter_apply(const gw_pixels *pixels, const gw_reflection *reflection,
+							 float *reflected, gw_error *error);
 
 #endif

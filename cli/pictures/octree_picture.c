@@ -251,7 +251,7 @@ static gw_status reflect(octree_picture *p, const render_scene *scene, const gw_
 						   : gw_render_octree_reflect(p->octree, &a.pixels, &p->reflection,
 													  a.answer, error);
 	if (status == GW_OK && !p->reflection.cone)
-		status = gloss_filter_apply(&a.pixels, p->reflection.rays, a.answer, error);
+		status = gloss_filter_apply(&a.pixels, &p->reflection, a.answer, error);
 	for (size_t j = 0; status == GW_OK && j < a.pixels.count; j++) {
 		size_t i = a.place[j];
 		float specular = a.normal[4 * j + 3], left = 1.0f - a.answer[4 * j + 3];

@@ -227,8 +227,7 @@ void gw_cpu_cache_mips(gw_passes *passes, const gw_binding *b, const void *push,
 
 void gw_cpu_pixel_caches(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
 {
-	const gw_cache_push *p = push;
 	gw_kernel_loop(passes, GW_PASS_PIXEL_CACHES,
 				   (gw_kernel_run){ .kernel = gw_kernel_pixel_caches, .bindings = b, .push = push },
-				   count, chunk_of(CHUNK, p->looks));
+				   count, chunk_of(CHUNK, GW_CACHE_LOOKS));
 }

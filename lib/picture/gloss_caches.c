@@ -14,9 +14,6 @@
 /* Caches at most: their texels take 90 MB. */
 #define CACHES_MOST 16384u
 
-/* Directions that a pixel looks in. */
-#define LOOKS 32u
-
 /* What is seen at a grazing angle is further apart than it seems, but no more than by this counts.
  */
 #define SLANT_MOST 4.0f
@@ -70,6 +67,7 @@ static void place_cache(const gw_render_octree *o, const gw_pixels *p,
 	to->facing[4 * cache] = normal.x;
 	to->facing[4 * cache + 1] = normal.y;
 	to->facing[4 * cache + 2] = normal.z;
+	to->facing[4 * cache + 3] = p->position[4 * (size_t)pixel + 3];
 	to->pixel[cache] = screen_of(p, pixel);
 }
 
@@ -130,13 +128,15 @@ static gw_status place_all(gw_render_octree *o, const gw_pixels *p,
 /* -------------------------------------------------------------------------------------- filling */
 
 gw_cache_push gw_gloss_caches_push(const gw_render_octree *o, const gw_gloss_caches *caches,
-								   const gw_reflection *r)
+								   const gw_pixels *pixels, const gw_reflection *r)
 {
+	float eye[3];
+	gw_render_octree_to_grid(o, pixels->eye, eye);
 	return (gw_cache_push){ .seed = r->seed,
-							.looks = LOOKS,
 							.columns = caches->columns,
 							.rows = caches->rows,
 							.tile = caches->tile,
+							.eye = { eye[0], eye[1], eye[2], 0.0f },
 							.sky = { r->sky[0], r->sky[1], r->sky[2], 0.0f },
 							.sky_width = o->sky.width,
 							.sky_height = o->sky.height,
@@ -144,15 +144,15 @@ gw_cache_push gw_gloss_caches_push(const gw_render_octree *o, const gw_gloss_cac
 							.sky_y_up = o->sky.y_up };
 }
 
-static gw_status fill(gw_render_octree *o, const gw_reflection *r, gw_gloss_caches *c,
-					  gw_error *error)
+static gw_status fill(gw_render_octree *o, const gw_pixels *pixels, const gw_reflection *r,
+					  gw_gloss_caches *c, gw_error *error)
 {
 	const gw_octree *t = &o->octree;
 	const uint64_t texels = (uint64_t)c->count * GW_CACHE_TEXELS;
 	GW_TRY(gw_buffer_create_unset(
 		o->gpu, TEXELS(VK_FORMAT_R32G32B32A32_SFLOAT, 16 * texels, "radiance caches"), &c->texel,
 		error));
-	const gw_cache_push push = gw_gloss_caches_push(o, c, r);
+	gw_cache_push push = gw_gloss_caches_push(o, c, pixels, r);
 	const gw_binding rays[] = {
 		GW_TRACE_BINDINGS(t), GW_DISC_BINDINGS(t),     gw_whole(&o->surfel_radiance),
 		gw_whole(&c->place),  gw_whole(&c->facing),    gw_whole(&c->texel),
@@ -160,10 +160,12 @@ static gw_status fill(gw_render_octree *o, const gw_reflection *r, gw_gloss_cach
 		GW_LEAF_BINDING(t)
 	};
 	const gw_binding mips[] = { gw_whole(&c->texel) };
-	GW_TRY(gw_passes_run(&o->passes, GW_PASS_CACHE_RAYS, rays, &push,
-						 (uint64_t)c->count * GW_CACHE_SIDE * GW_CACHE_SIDE, error));
-	if (r->cancelled && r->cancelled(r->user))
-		return gw_fail(error, GW_ERROR_CANCELLED, "stopped while light was reflected");
+	for (push.ray = 0; push.ray < GW_CACHE_RAYS; push.ray++) {
+		GW_TRY(gw_passes_run(&o->passes, GW_PASS_CACHE_RAYS, rays, &push,
+							 (uint64_t)c->count * GW_CACHE_SIDE * GW_CACHE_SIDE, error));
+		if (r->cancelled && r->cancelled(r->user))
+			return gw_fail(error, GW_ERROR_CANCELLED, "stopped while light was reflected");
+	}
 	return gw_passes_run(&o->passes, GW_PASS_CACHE_MIPS, mips, &push, c->count, error);
 }
 
@@ -180,7 +182,7 @@ static gw_status make(gw_render_octree *o, const gw_pixels *pixels, const gw_ref
 	gw_status status = c->count ? place_all(o, pixels, &clusters, c, error) : GW_OK;
 	double placed = gw_seconds();
 	if (status == GW_OK && c->count)
-		status = fill(o, r, c, error);
+		status = fill(o, pixels, r, c, error);
 	o->cache_seconds.caches += c->count;
 	o->cache_seconds.distribution += placed - start;
 	o->cache_seconds.creation += gw_seconds() - placed;

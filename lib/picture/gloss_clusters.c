@@ -62,9 +62,14 @@ static gw_vec3 normal_of(const gw_pixels *p, size_t pixel)
 	return gw_gloss_facing(gw_xyz(p->normal + 4 * pixel), way);
 }
 
+bool gw_gloss_is_cached(float roughness)
+{
+	return gloss_lobe_angle(roughness) >= GW_CACHE_LEAST_LOBE * GW_CACHE_ANGLE;
+}
+
 static bool is_cached(const gw_pixels *p, size_t pixel)
 {
-	return gloss_lobe_angle(p->position[4 * pixel + 3]) >= GW_CACHE_LEAST_LOBE * GW_CACHE_ANGLE;
+	return gw_gloss_is_cached(p->position[4 * pixel + 3]);
 }
 
 static uint32_t tile_of(const clustering *c, size_t pixel)

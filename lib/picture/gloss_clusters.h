@@ -19,6 +19,9 @@
 /* No cluster: a pixel whose lobe is too narrow for a cache. */
 #define GW_NO_CLUSTER UINT32_MAX
 
+/* Whether a cache resolves the lobe of a surface. */
+bool gw_gloss_is_cached(float roughness);
+
 typedef struct gw_gloss_clusters {
 	uint32_t tile, columns, rows; /* pixels a side; tiles */
 	size_t count;

@@ -7,9 +7,13 @@
 #include "base/memory.h"
 #include "glowworm_host.h"
 #include "picture/gloss_caches.h"
+#include "picture/gloss_clusters.h"
 
 #include <stdlib.h>
 #include <string.h>
+
+/* A pixel that reads caches has no more noise than by so many rays. */
+#define CACHES_AS_RAYS 64u
 
 /* Pixels that are on the device at once: 48 MB. */
 #define BATCH ((size_t)1 << 20)
@@ -149,9 +153,8 @@ static gw_status run_caches(gw_render_octree *o, const batch *b, const gw_pixels
 {
 	const cache_run *run = how;
 	const gw_gloss_caches *c = run->caches;
-	gw_cache_push push = gw_gloss_caches_push(o, c, run->reflection);
+	gw_cache_push push = gw_gloss_caches_push(o, c, pixels, run->reflection);
 	push.pixel_first = (uint32_t)b->first;
-	push.eye = eye_of(o, pixels, 0.0f);
 	const gw_binding bindings[] = { gw_whole(&c->tile_first),    gw_whole(&c->place),
 									gw_whole(&c->facing),        gw_whole(&c->pixel),
 									gw_whole(&c->texel),         gw_whole(&c->screen),
@@ -231,6 +234,12 @@ static gw_status reflect_by_caches(gw_render_octree *o, const gw_pixels *pixels,
 		status = reflect_part(o, pixels, &how, false, reflected, error);
 	gw_gloss_caches_destroy(o->gpu, &caches);
 	return status;
+}
+
+uint32_t gw_reflection_rays(const gw_reflection *r, float roughness)
+{
+	bool cached = r->caches && gw_gloss_is_cached(roughness);
+	return cached && r->rays < CACHES_AS_RAYS ? CACHES_AS_RAYS : r->rays;
 }
 
 gw_status gw_render_octree_reflect(gw_render_octree *o, const gw_pixels *pixels,

@@ -21,8 +21,14 @@
 /* A lobe narrower than so many texels is not resolved, and stays with rays. */
 #define GW_CACHE_LEAST_LOBE 4.0f
 
-/* Caches that a pixel reads, at most. */
+/* Rays a texel of the finest level, two by two, where facets throw the eye's that are turned by
+ * less than an angle; else one. Its tangent is this times alpha. */
+#define GW_CACHE_RAYS 4u
+#define GW_CACHE_TURN 2.0f
+
+/* Caches that a pixel reads, at most, and directions that it looks in. */
 #define GW_CACHES_READ 6u
+#define GW_CACHE_LOOKS 32u
 
 /* Pixels that show one place share a cache within so many tiles of them. */
 #define GW_CACHE_REACH 1.5f
@@ -45,7 +51,7 @@ SHARED_STRUCT(gw_cache_push)
 {
 	uint first, count;
 	uint seed;
-	uint looks;                 /* directions that a pixel looks in */
+	uint ray;                   /* which of each texel's */
 	uint columns, rows;         /* of tiles */
 	uint tile;                  /* pixels a side */
 	uint pixel_first;           /* number of the first pixel of this batch */

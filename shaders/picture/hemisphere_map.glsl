@@ -20,7 +20,7 @@ vec3 hemisphere_direction(vec2 place)
 }
 
 /* The arc tangent of 0 to 1, to 1e-5 (Abramowitz and Stegun, Handbook of Mathematical Functions,
- * 4.4.49): a pixel asks for some 400, which otherwise take half of its time. */
+ * 4.4.49): a pixel asks for some 100, which otherwise take much of its time. */
 float arc_tangent(float t)
 {
 	float t2 = t * t;

@@ -1,7 +1,9 @@
 /*
  * pixel_caches.comp - read-back step of gloss caches: one invocation a pixel. The pixel looks in a
- * few directions that share its lobe, and takes from each cache near by the level whose texels are
- * as wide as a look's share. rgb is the light reflected, w the share of all light that is.
+ * few directions that share its lobe, each into one of the caches near by, and takes there the
+ * level whose texels are as wide as the look's share. Which directions and caches these are differs
+ * from pixel to pixel, and is to be smoothed. rgb is the light reflected, w the share of all light
+ * that is.
  */
 #include "picture/gloss_cache.h"
 #include "picture/glossy.glsl"
@@ -23,6 +25,9 @@ PUSH(gw_cache_push);
 uint near_cache[GW_CACHES_READ + 1u];
 float near_weight[GW_CACHES_READ + 1u];
 uint near_count;
+
+/* Steps to where a cache sees what is seen from the pixel. */
+#define PLACE_STEPS 2u
 
 /* Their frames, and where the pixel is in these. */
 vec3 near_tangent[GW_CACHES_READ], near_bitangent[GW_CACHES_READ], near_normal[GW_CACHES_READ];
@@ -82,9 +87,11 @@ void find_near(vec3 g, uvec2 screen)
 	near_count = 1u;
 }
 
+/* Also sums their weights up, from the first to each. */
 void find_frames(vec3 g)
 {
 	for (uint k = 0u; k < near_count; k++) {
+		near_weight[k] += k > 0u ? near_weight[k - 1u] : 0.0f;
 		vec3 normal = texelFetch(cache_facing, int(near_cache[k])).xyz, t, b;
 		vec3 off = g - texelFetch(cache_place, int(near_cache[k])).xyz;
 		tangent_frame(normal, t, b);
@@ -127,9 +134,9 @@ vec3 read_radiance(uint cache, uint level, vec2 place)
 }
 
 /* The inverse of the distance that it comes from. */
-float read_inverse(uint cache, uint level, vec2 place)
+float read_inverse(uint cache, vec2 place)
 {
-	Quad q = quad_at(cache, level, place);
+	Quad q = quad_at(cache, 0u, place);
 	return mix(
 		mix(texelFetch(cache_texel, q.at).w, texelFetch(cache_texel, q.at + q.right).w, q.across),
 		mix(texelFetch(cache_texel, q.at + q.below).w,
@@ -137,36 +144,30 @@ float read_inverse(uint cache, uint level, vec2 place)
 		q.down);
 }
 
-/* What a cache knows of a direction from a place `off` it, both in its own frame: the radiance
- * there, and in w how far that is to be believed. Whatever it is comes from some distance, by which
- * the cache sees it elsewhere. */
-vec4 look(uint cache, vec3 off, vec3 way, float level)
+/* One of those near by, the more often the more it weighs; pick in [0, 1). */
+uint picked(float pick)
 {
-	float inverse = read_inverse(cache, 1u, hemisphere_place(way));
-	vec3 turned = normalize(way + off * inverse);
-	vec2 place = hemisphere_place(turned);
+	uint k = 0u;
+	for (; k + 1u < near_count && near_weight[k] <= pick * near_weight[near_count - 1u]; k++) {
+	}
+	return k;
+}
+
+/* The radiance that the k-th of them knows of a direction. Whatever the pixel sees there is at some
+ * distance, by which the cache sees it elsewhere; how far it is the cache knows where it is seen,
+ * which is looked for. */
+vec3 look(uint k, vec3 direction, float level)
+{
+	uint cache = near_cache[k];
+	vec3 way = vec3(dot(near_tangent[k], direction), dot(near_bitangent[k], direction),
+					dot(near_normal[k], direction));
+	vec2 place = hemisphere_place(way);
+	for (uint times = 0u; times < PLACE_STEPS; times++)
+		place = hemisphere_place(normalize(way + near_off[k] * read_inverse(cache, place)));
 	uint fine = uint(level);
 	float between = level - float(fine);
 	vec3 seen = read_radiance(cache, fine, place);
-	if (between > 0.01f)
-		seen = mix(seen, read_radiance(cache, fine + 1u, place), between);
-	return vec4(seen, clamp(4.0f * turned.z, 0.001f, 1.0f));
-}
-
-/* What all of them know. */
-vec3 look_around(vec3 direction, float level)
-{
-	vec3 sum = vec3(0.0f);
-	float weights = 0.0f;
-	for (uint k = 0u; k < near_count; k++) {
-		vec3 way = vec3(dot(near_tangent[k], direction), dot(near_bitangent[k], direction),
-						dot(near_normal[k], direction));
-		vec4 seen = look(near_cache[k], near_off[k], way, level);
-		float weight = near_weight[k] * seen.w;
-		sum += seen.xyz * weight;
-		weights += weight;
-	}
-	return sum / weights;
+	return between > 0.01f ? mix(seen, read_radiance(cache, fine + 1u, place), between) : seen;
 }
 
 /* How coarse a level is for looks of a solid angle. What is read between the middles of texels is
@@ -203,20 +204,28 @@ void main()
 	float alpha = narrowed(roughness * roughness);
 	vec3 to_eye = normalize(push.eye.xyz - g);
 	vec3 normal = face_eye(pixel_normal[i].xyz, to_eye);
-	find_near(g, texelFetch(pixel_screen, int(push.pixel_first + push.first + i)).xy);
+	uvec2 screen = texelFetch(pixel_screen, int(push.pixel_first + push.first + i)).xy;
+	find_near(g, screen);
 	find_frames(g);
 	vec3 t = tangent_to_eye(normal, to_eye), b = cross(normal, t);
 	vec3 eye = vec3(dot(t, to_eye), dot(b, to_eye), dot(normal, to_eye));
+	uint own = pcg_hash2(screen.x, push.seed);
+	float turn = unit_float(own), ring = unit_float(pcg_hash2(own, 1u));
+	float shift = unit_float(pcg_hash2(own, 2u));
 	vec4 sum = vec4(0.0f, 0.0f, 0.0f, 0.0f);
-	for (uint k = 0u; k < push.looks; k++) {
-		/* A spiral by the golden angle, whose rings are of the same chance. */
-		float ring = float(k) + 0.5f, looks = float(push.looks);
-		vec2 u = vec2(fract(ring * 0.618033988749895f), ring / looks);
+	for (uint k = 0u; k < GW_CACHE_LOOKS; k++) {
+		/* A spiral by the golden angle. Its rings count less the further out they are, where what
+		 * is bright would else be met by too few. */
+		float looks = float(GW_CACHE_LOOKS), outside = 1.0f - float(k) / looks;
+		float part = (2.0f * outside - 1.0f / looks) / looks;
+		vec2 u = vec2(fract(float(k) * 0.618033988749895f + turn),
+					  1.0f - outside * outside + ring * part);
 		vec3 facet = visible_facet(eye, alpha, u);
 		vec3 way = thrown_by(eye, facet);
-		float level = level_of(1.0f / (looks * facet_density(eye, alpha, facet.z)));
-		vec3 seen = look_around(normalize(t * way.x + b * way.y + normal * way.z), level);
-		sum += vec4(seen, 1.0f) * fresnel(reflectance, dot(eye, facet));
+		float level = level_of(part / facet_density(eye, alpha, facet.z));
+		vec3 seen = look(picked(fract(float(k) * 0.7548776662f + shift)),
+						 normalize(t * way.x + b * way.y + normal * way.z), level);
+		sum += vec4(seen, 1.0f) * (part * fresnel(reflectance, dot(eye, facet)));
 	}
-	pixel_reflected[i] = sum * (1.0f / float(push.looks));
+	pixel_reflected[i] = sum;
 }
