@@ -87,11 +87,11 @@ void find_near(vec3 g, uvec2 screen)
 	near_count = 1u;
 }
 
-/* Also sums their weights up, from the first to each. */
+/* Also sums the squares of their weights up: what is nearest sees most alike. */
 void find_frames(vec3 g)
 {
 	for (uint k = 0u; k < near_count; k++) {
-		near_weight[k] += k > 0u ? near_weight[k - 1u] : 0.0f;
+		near_weight[k] = near_weight[k] * near_weight[k] + (k > 0u ? near_weight[k - 1u] : 0.0f);
 		vec3 normal = texelFetch(cache_facing, int(near_cache[k])).xyz, t, b;
 		vec3 off = g - texelFetch(cache_place, int(near_cache[k])).xyz;
 		tangent_frame(normal, t, b);

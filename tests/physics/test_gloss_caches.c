@@ -248,7 +248,8 @@ static double rms(const float *a, const float *b)
 }
 
 /*
- * In the half-bright sphere caches are nearer to many rays than 32 rays are, at every roughness.
+ * In the half-bright sphere caches are nearer to many rays than 32 rays are, at every roughness, by
+ * a quarter at least.
  * The reference itself is off by what 32 rays are over the root of how many times more it has.
  */
 static void nearer_than_rays(void **state)
@@ -274,7 +275,7 @@ static void nearer_than_rays(void **state)
 		reflect(&w, &p, &reference, many);
 		double off = rms(caches, many), noise = rms(few, many);
 		print_message("roughness %g: caches %.4f, 32 rays %.4f\n", (double)roughness, off, noise);
-		assert_true(off < noise);
+		assert_true(off < 0.75 * noise);
 	}
 	close_world(&w);
 }
