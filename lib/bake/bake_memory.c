@@ -3,6 +3,7 @@
  */
 #include "bake/bake_memory.h"
 
+#include "bake/scene.h"
 #include "base/distribution.h"
 #include "octree/octree.h"
 
@@ -81,7 +82,7 @@ gw_memory_facts gw_bake_memory_usual(uint64_t points, bool normals, bool lamps,
 							  .lamps = lamps,
 							  .estimated = estimated,
 							  .widening = options->leaf_spacing == GW_LEAF_SPACING_AUTO &&
-										  options->method == GW_METHOD_RAYS && !options->voxels };
+										  !gw_scene_needs_regions(options) };
 	double facets = (estimated ? FACETS_ESTIMATED : FACETS_USUAL) * (double)points;
 	facts.facets = (uint64_t)(facets / leaf_area(&facts, surfels));
 	return facts;

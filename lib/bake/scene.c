@@ -295,7 +295,7 @@ void gw_scene_report_octree(const gw_scene *scene)
 	r->octree_bytes = gw_gpu_read_account(scene->gpu).bytes;
 }
 
-static bool needs_regions(const gw_bake_options *o)
+bool gw_scene_needs_regions(const gw_bake_options *o)
 {
 	return o->voxels || o->method == GW_METHOD_CONES;
 }
@@ -303,7 +303,7 @@ static bool needs_regions(const gw_bake_options *o)
 float gw_scene_leaf_spacing(const gw_scene *scene)
 {
 	const gw_bake_options *o = &scene->options;
-	return gw_octree_leaf_spacing(o->leaf_spacing, scene->surfels.count, needs_regions(o));
+	return gw_octree_leaf_spacing(o->leaf_spacing, scene->surfels.count, gw_scene_needs_regions(o));
 }
 
 gw_status gw_scene_build_octree(gw_scene *scene, gw_error *error)
@@ -312,7 +312,7 @@ gw_status gw_scene_build_octree(gw_scene *scene, gw_error *error)
 	const gw_octree_task task = { .surfels = &scene->surfels,
 								  .depth = o->depth,
 								  .leaf_spacing = o->leaf_spacing,
-								  .regions = needs_regions(o),
+								  .regions = gw_scene_needs_regions(o),
 								  .still = scene->still };
 	GW_TRY(scene->keeps
 			   ? gw_octree_build_kept(scene->gpu, &task, &scene->kept_octree, &scene->octree, error)

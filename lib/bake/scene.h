@@ -193,6 +193,10 @@ void gw_scene_report_space(const gw_scene *scene);
 /* Writes what was repaired into a report. */
 void gw_report_surfels(gw_report *report, const gw_surfels *surfels, const gw_points *points);
 
+/* Whether leaves have to hold regions of influence, as cones and voxels do, so that they are as
+ * narrow as GW_LEAF_SPACING however many points there are. */
+bool gw_scene_needs_regions(const gw_bake_options *options);
+
 /* Width of leaves in spacings of the surfels, where these are made and no depth is asked for. */
 float gw_scene_leaf_spacing(const gw_scene *scene);
 
