@@ -71,10 +71,9 @@ static size_t kept_of(uint64_t fit, uint64_t memory, uint64_t count)
 static void share_memory(parted_cloud *parted, uint64_t memory)
 {
 	uint64_t count = parted->file.count, fit = lasting_points(memory);
-	uint64_t all = kept_of(fit, memory, count);
 	if (fit < PARTED_CLOUD_LEAST)
 		return; /* it holds no tile */
-	all = all > 0 ? all : count;
+	uint64_t all = fit < KEPT_MOST ? fit : KEPT_MOST;
 	uint64_t kept = all / 2 < count / 8 ? all / 2 : count / 8;
 	if (count <= PARTED_CLOUD_LEAST)
 		return;
