@@ -438,10 +438,17 @@ static void tell_gaps(const gw_report *r, const char *lead)
 				GW_SAID_PLACE(at[1]), GW_SAID_PLACE(at[2]));
 }
 
+/* Of what the octree and the points disagree about; of edges of shadows, about which they do as
+ * well, another octree mends nothing. */
+static double geometry_doubt(const gw_report *r)
+{
+	return r->error.geometry > r->error.shadows ? r->error.geometry : 0.0;
+}
+
 static double doubt_size(const gw_report *r, doubt which)
 {
 	const gw_error_estimate *e = &r->error;
-	const double part[] = { 0.0, e->geometry, e->sides, e->gaps, e->narrow, e->halves };
+	const double part[] = { 0.0, geometry_doubt(r), e->sides, e->gaps, e->narrow, e->halves };
 	return part[which];
 }
 
@@ -527,7 +534,7 @@ static doubt note_largest_doubt(const bake_facts *f, const gw_report *r)
 static void note_geometry(const gw_report *r)
 {
 	char percent[TEXT_PERCENT];
-	if (is_large(r, r->error.geometry))
+	if (is_large(r, geometry_doubt(r)))
 		fprintf(stderr,
 				"glowworm: note: the octree and the points themselves disagree by %s %% of the "
 				"mean: surfaces leak or lie elsewhere in it; another --depth or --leaf-spacing may "

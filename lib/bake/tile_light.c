@@ -124,6 +124,7 @@ static bool find_scanners(const gw_tile *tile, tile_scene *s)
 
 static bool join_rows(const gw_tile *tile, tile_scene *s)
 {
+	static const double origin[3] = { 0 };
 	static const float zero[3] = { 0 }, one = 1.0f;
 	static const float plain[3] = { GW_ALBEDO_DEFAULT, GW_ALBEDO_DEFAULT, GW_ALBEDO_DEFAULT };
 	const gw_points *near = tile->near, *far = &s->far.subset.points;
@@ -131,7 +132,7 @@ static bool join_rows(const gw_tile *tile, tile_scene *s)
 	const uint8_t no = 0;
 	size_t n = near->count, triple = 3 * sizeof(float);
 	bool good = true;
-	const tile_values of[] = { { near->position, far->position, NULL, 3 * sizeof(double) },
+	const tile_values of[] = { { near->position, far->position, origin, 3 * sizeof(double) },
 							   { near->normal, far->normal, zero, triple },
 							   { near->albedo, far->albedo, plain, triple },
 							   { near->emission, far->emission, zero, triple },
