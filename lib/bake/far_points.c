@@ -1,6 +1,7 @@
 /* far_points.c - see far_points.h. */
 #include "bake/far_points.h"
 
+#include "bake/surface_owners.h"
 #include "bake/surface_points.h"
 #include "bake/tiling.h"
 #include "base/hash.h"
@@ -31,9 +32,6 @@
 
 #define CHUNK 4096u
 
-/* Of a point that is in the tile or its halo. */
-#define NOWHERE UINT32_MAX
-
 typedef struct box {
 	double low[3], high[3];
 } box;
@@ -44,9 +42,9 @@ typedef struct sorting_out {
 	box box[BOXES]; /* around the tile's own points */
 	size_t boxes;
 	double spacing;  /* between those that were kept, metres */
-	uint32_t *group; /* of each that was kept, or NOWHERE */
+	uint32_t *group; /* of each that was kept, or GW_OWNER_NONE: that is in the tile or its halo */
 	uint32_t groups;
-	gw_keyed *keyed; /* keys: of points that are neither in the tile nor in its halo */
+	gw_keyed *keyed; /* keys: the others; sorted, group after group */
 	size_t keys;
 	bool few_glow;
 } sorting_out;
@@ -197,18 +195,12 @@ static bool shades(const sorting_out *s, const gw_light *light, const double at[
 	return meets_tile(s, at, toward, more);
 }
 
-static bool glows(const gw_points *points, size_t point)
-{
-	const float *e = points->emission ? points->emission + 3 * point : NULL;
-	return e && (e[0] > 0.0f || e[1] > 0.0f || e[2] > 0.0f);
-}
-
 /* What glows all over is taken together as well. */
 static void count_glowing(sorting_out *s)
 {
 	size_t glowing = 0, kept = s->tile->kept->count;
 	for (size_t i = 0; i < kept; i++)
-		glowing += glows(s->tile->kept, i);
+		glowing += gw_point_glows(s->tile->kept, i);
 	s->few_glow = glowing < kept / FEW_GLOW;
 }
 
@@ -218,7 +210,7 @@ static uint32_t level_of(const sorting_out *s, size_t point)
 	const gw_points *kept = s->tile->kept;
 	const double *at = kept->position + 3 * point;
 	double distance = distance_of(s, at), widths = CUBE_ANGLE * distance / s->spacing;
-	if (!(widths >= 2.0) || !isfinite(widths) || (s->few_glow && glows(kept, point)) ||
+	if (!(widths >= 2.0) || !isfinite(widths) || (s->few_glow && gw_point_glows(kept, point)) ||
 		(kept->stray && kept->stray[point]))
 		return 0;
 	for (size_t k = 0; k < s->lighting->light_count; k++)
@@ -256,7 +248,7 @@ static void find_keys(void *user, size_t first, size_t last, uint32_t worker)
 		s->keyed[i].key = key_of(s, s->keyed[i].item);
 }
 
-/* Numbers the groups; points that are in the tile or its halo have none. */
+/* Sorts the points by group; those that are in the tile or its halo are in none. */
 static gw_status find_groups(sorting_out *s, gw_error *error)
 {
 	size_t kept = s->tile->kept->count;
@@ -267,73 +259,55 @@ static gw_status find_groups(sorting_out *s, gw_error *error)
 		return no_memory(s, error);
 	for (size_t i = 0; i < s->tile->replaced_count; i++)
 		if (s->tile->replaced[i] < kept)
-			s->group[s->tile->replaced[i]] = NOWHERE;
+			s->group[s->tile->replaced[i]] = GW_OWNER_NONE;
 	for (size_t i = 0; i < kept; i++)
-		if (s->group[i] != NOWHERE)
+		if (s->group[i] != GW_OWNER_NONE)
 			s->keyed[s->keys++] = (gw_keyed){ .item = (uint32_t)i };
 	gw_parallel_for(threads, s->keys, CHUNK, find_keys, s);
-	if (!gw_sort_keyed(&s->keyed, s->keys, 64, threads))
-		return no_memory(s, error);
-	for (size_t i = 0; i < s->keys; i++) {
-		s->groups += i == 0 || s->keyed[i].key != s->keyed[i - 1].key;
-		s->group[s->keyed[i].item] = s->groups - 1;
-	}
-	return GW_OK;
+	return gw_sort_keyed(&s->keyed, s->keys, 64, threads) ? GW_OK : no_memory(s, error);
 }
 
-/* The middle of a group, and which of its points is nearest to that. */
-typedef struct middle {
-	double sum[3], count, nearest;
-	uint32_t point;
-} middle;
-
-static void add_up(const sorting_out *s, middle *of)
+/* One behind the last of the group that begins there. */
+static size_t end_of(const sorting_out *s, size_t first)
 {
-	const gw_points *kept = s->tile->kept;
-	for (size_t i = 0; i < kept->count; i++) {
-		if (s->group[i] == NOWHERE)
-			continue;
-		middle *m = &of[s->group[i]];
-		m->count += 1.0;
+	size_t last = first + 1;
+	while (last < s->keys && s->keyed[last].key == s->keyed[first].key)
+		last++;
+	return last;
+}
+
+/* Which point of a group is nearest to its middle; of those that are as near the first one. */
+static uint32_t nearest_to_middle(const sorting_out *s, size_t first, size_t last)
+{
+	const double *position = s->tile->kept->position;
+	double middle[3] = { 0 }, least = INFINITY;
+	uint32_t nearest = s->keyed[first].item;
+	for (size_t j = first; j < last; j++)
 		for (size_t k = 0; k < 3; k++)
-			m->sum[k] += kept->position[3 * i + k];
-	}
-}
-
-/* Of those that are as near the first one; of what has no place the only one. */
-static void find_nearest(const sorting_out *s, middle *of)
-{
-	const gw_points *kept = s->tile->kept;
-	for (size_t i = 0; i < kept->count; i++) {
-		if (s->group[i] == NOWHERE)
-			continue;
-		middle *m = &of[s->group[i]];
+			middle[k] += position[3 * (size_t)s->keyed[j].item + k] / (double)(last - first);
+	for (size_t j = first; j < last; j++) {
+		const double *at = position + 3 * (size_t)s->keyed[j].item;
 		double square = 0.0;
-		for (size_t k = 0; k < 3; k++) {
-			double off = kept->position[3 * i + k] - m->sum[k] / m->count;
-			square += off * off;
-		}
-		if (m->point == NOWHERE || square < m->nearest) {
-			m->point = (uint32_t)i;
-			m->nearest = square;
-		}
+		for (size_t k = 0; k < 3; k++)
+			square += (at[k] - middle[k]) * (at[k] - middle[k]);
+		nearest = square < least ? s->keyed[j].item : nearest;
+		least = fmin(least, square);
 	}
+	return nearest;
 }
 
-/* Which points stand for others: 1 for each that does. */
-static uint8_t *choose(const sorting_out *s)
+/* Which points stand for others: 1 for each that does. Each other point has its number as its
+ * group. */
+static uint8_t *choose(sorting_out *s)
 {
 	uint8_t *chosen = gw_allocate_zeros(s->tile->kept->count, 1);
-	middle *of = gw_allocate_zeros(s->groups, sizeof *of);
-	for (uint32_t g = 0; of && g < s->groups; g++)
-		of[g].point = NOWHERE;
-	if (of && chosen) {
-		add_up(s, of);
-		find_nearest(s, of);
+	for (size_t first = 0, last; chosen && first < s->keys; first = last) {
+		last = end_of(s, first);
+		uint32_t own = nearest_to_middle(s, first, last);
+		for (size_t j = first; j < last; j++)
+			s->group[s->keyed[j].item] = own;
+		chosen[own] = 1;
 	}
-	for (uint32_t g = 0; of && chosen && g < s->groups; g++)
-		chosen[of[g].point] = 1;
-	free(of);
 	return chosen;
 }
 
@@ -345,12 +319,12 @@ static bool is_chosen(const void *chosen, size_t point)
 /* Numbers groups by the order of the points that stand for them. */
 static bool number_groups(sorting_out *s, const gw_point_subset *subset)
 {
-	uint32_t *row = gw_allocate_array(s->groups, sizeof *row);
-	for (size_t i = 0; row && i < subset->points.count; i++)
-		row[s->group[subset->from[i]]] = (uint32_t)i;
-	for (size_t i = 0; row && i < s->tile->kept->count; i++)
-		if (s->group[i] != NOWHERE)
-			s->group[i] = row[s->group[i]];
+	uint32_t *row = gw_allocate_array(s->tile->kept->count, sizeof *row);
+	s->groups = (uint32_t)subset->points.count;
+	for (uint32_t g = 0; row && g < s->groups; g++)
+		row[subset->from[g]] = g;
+	for (size_t j = 0; row && j < s->keys; j++)
+		s->group[s->keyed[j].item] = row[s->group[s->keyed[j].item]];
 	free(row);
 	return row != NULL;
 }
@@ -380,9 +354,8 @@ static float *irradiance_of(const sorting_out *s, const part *p)
 	const float *albedo = s->tile->light->albedo;
 	float *result = gw_allocate_array(s->groups, 3 * sizeof *result);
 	double *sum = gw_allocate_zeros(s->groups, 6 * sizeof *sum);
-	for (size_t i = 0; result && sum && i < s->tile->kept->count; i++) {
-		if (s->group[i] == NOWHERE)
-			continue;
+	for (size_t j = 0; result && sum && j < s->keys; j++) {
+		size_t i = s->keyed[j].item;
 		double *of = sum + 6 * (size_t)s->group[i];
 		for (size_t c = 0; c < 3; c++) {
 			of[c] += reflected(p, albedo, 3 * i + c);
@@ -419,26 +392,6 @@ static bool find_light(const sorting_out *s, gw_far_points *far)
 	return good;
 }
 
-/* Gives those that stand for others the mean of all of these, of so many values each.
- *   own   NULL where none are given */
-static bool take_means(const sorting_out *s, const float *given, size_t values, float *own)
-{
-	uint32_t *count = own ? gw_allocate_zeros(s->groups, sizeof *count) : NULL;
-	if (!own || !count)
-		return !own;
-	memset(own, 0, values * s->groups * sizeof *own);
-	for (size_t i = 0; i < s->tile->kept->count; i++) {
-		size_t g = s->group[i];
-		if (g == NOWHERE)
-			continue;
-		count[g]++;
-		for (size_t c = 0; c < values; c++)
-			own[values * g + c] += (given[values * i + c] - own[values * g + c]) / (float)count[g];
-	}
-	free(count);
-	return true;
-}
-
 /* -------------------------------------------------------------------------------- all of it */
 
 static gw_status make(sorting_out *s, gw_far_points *far, gw_error *error)
@@ -454,11 +407,8 @@ static gw_status make(sorting_out *s, gw_far_points *far, gw_error *error)
 	gw_status status = gw_point_subset_make(s->tile->kept, &choice, &far->subset, error);
 	free(chosen);
 	GW_TRY(status);
-	const gw_points *kept = s->tile->kept;
 	bool good = number_groups(s, &far->subset) && find_light(s, far) &&
-				take_means(s, kept->albedo, 3, far->subset.albedo) &&
-				take_means(s, kept->emission, 3, far->subset.emission) &&
-				take_means(s, kept->opacity, 1, far->subset.opacity);
+				gw_surface_points_take_means(s->tile->kept, s->group, &far->subset);
 	return good ? GW_OK : no_memory(s, error);
 }
 

@@ -49,4 +49,11 @@ gw_status gw_point_subset_ask(gw_point_subset *subset, const uint8_t *asked, gw_
 
 void gw_point_subset_clear(gw_point_subset *subset);
 
+/* Whether a point emits light. */
+static inline bool gw_point_glows(const gw_points *points, size_t point)
+{
+	const float *e = points->emission ? points->emission + 3 * point : NULL;
+	return e && (e[0] > 0.0f || e[1] > 0.0f || e[2] > 0.0f);
+}
+
 #endif

@@ -317,8 +317,8 @@ static void set_point(gw_point_subset *s, size_t k, const double sum[MEANS], dou
 		s->opacity[k] = (float)(sum[OPACITY] / points);
 }
 
-/* Gives the points that were taken the means of those that they stand for. */
-static bool take_means(const gw_points *all, const uint32_t *owner, gw_point_subset *surface)
+bool gw_surface_points_take_means(const gw_points *all, const uint32_t *owner,
+								  gw_point_subset *surface)
 {
 	size_t count = surface->points.count;
 	double(*sum)[MEANS] = gw_allocate_zeros(count + 1, sizeof *sum);
@@ -368,7 +368,8 @@ static gw_status stand_for_others(const grid *g, cube_table *t, uint32_t threads
 		status = gw_owners_find(g->points, surface, threads, owner, error);
 	else if (owner)
 		own_cubes(g, t, surface, owner);
-	bool good = owner && (status != GW_OK || take_means(g->points, owner, surface));
+	bool good =
+		owner && (status != GW_OK || gw_surface_points_take_means(g->points, owner, surface));
 	free(owner);
 	return good ? status : no_memory(g->points, error);
 }

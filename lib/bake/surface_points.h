@@ -59,6 +59,16 @@ size_t gw_surface_points_next(size_t tried, double error, double wanted, size_t 
 gw_status gw_surface_points_choose(const gw_points *points, size_t most, uint32_t threads,
 								   gw_point_subset *surface, gw_error *error);
 
+/*
+ * Gives points that were taken the mean albedo, emission and opacity of those that they stand for;
+ * what is no number counts as it does for gw_bake.
+ *   owner   one a point of all: the place in the surface of that which stands for it, or
+ *           GW_OWNER_NONE (surface_owners.h)
+ * Returns false, with nothing changed, when memory is short.
+ */
+bool gw_surface_points_take_means(const gw_points *all, const uint32_t *owner,
+								  gw_point_subset *surface);
+
 /* Which of the six sides of a cube a point faces, 0..5, so that sheets and edges within one keep
  * what is on each side; 6 where it has no normal. normal   3, of any length, or NULL */
 int64_t gw_facing_side(const float *normal);

@@ -204,19 +204,13 @@ static bool take_known(const gw_tile *tile, tile_scene *s)
 
 /* ---------------------------------------------------------------------------------- the light */
 
-static bool glows(const gw_points *points, size_t point)
-{
-	const float *e = points->emission ? points->emission + 3 * point : NULL;
-	return e && (e[0] > 0.0f || e[1] > 0.0f || e[2] > 0.0f);
-}
-
 /* Their mean luminance is what errors are relative to. */
 static void take_share(const gw_tile *tile, const gw_bake_result *light, gw_tile_share *share)
 {
 	double sum = 0.0;
 	size_t count = 0;
 	for (size_t i = 0; i < tile->near->count; i++) {
-		if (!tile->core[i] || glows(tile->near, i))
+		if (!tile->core[i] || gw_point_glows(tile->near, i))
 			continue;
 		sum += gw_luminance(light->radiance + 3 * i);
 		count++;
@@ -248,7 +242,7 @@ static double mean_of_kept(const gw_tile *tile, bool own)
 	double sum = 0.0;
 	for (size_t i = 0; i < count; i++) {
 		size_t point = own ? tile->replaced[i] : i;
-		if (point >= tile->kept->count || glows(tile->kept, point))
+		if (point >= tile->kept->count || gw_point_glows(tile->kept, point))
 			continue;
 		sum += gw_luminance(tile->light->radiance + 3 * point);
 		used++;

@@ -237,13 +237,36 @@ static void few_that_glow_stay(void **state)
 	free(s);
 }
 
+/* One point whose albedo is no number takes nothing from those that it is taken together with. */
+static void numbers_stay(void **state)
+{
+	(void)state;
+	floor_scene *s = make_floor();
+	float lost = s->albedo[3 * (COUNT - 1)];
+	gw_far_points whole = far_of(s, NULL, 0);
+	s->albedo[3 * (COUNT - 1)] = NAN;
+	s->light.albedo = calloc(3 * COUNT, sizeof *s->light.albedo);
+	assert_non_null(s->light.albedo);
+	memcpy(s->light.albedo, s->albedo, 3 * COUNT * sizeof *s->albedo);
+	s->light.albedo[3 * (COUNT - 1)] = lost; /* as a bake repairs it */
+	gw_far_points far = far_of(s, NULL, 0);
+	assert_int_equal(far.subset.points.count, whole.subset.points.count);
+	for (size_t i = 0; i < 3 * far.subset.points.count; i++) {
+		assert_true(far.subset.albedo[i] >= 0.0f && far.subset.albedo[i] < 1.0f);
+		assert_true(far.all[i] == whole.all[i]);
+	}
+	gw_far_points_clear(&far);
+	gw_far_points_clear(&whole);
+	free(s->light.albedo);
+	free(s);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(farther_is_coarser),
-		cmocka_unit_test(the_light_is_the_same),
-		cmocka_unit_test(what_shades_stays),
-		cmocka_unit_test(few_that_glow_stay),
+		cmocka_unit_test(farther_is_coarser), cmocka_unit_test(the_light_is_the_same),
+		cmocka_unit_test(what_shades_stays),  cmocka_unit_test(few_that_glow_stay),
+		cmocka_unit_test(numbers_stay),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
