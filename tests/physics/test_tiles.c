@@ -152,6 +152,29 @@ static void a_cube_is_not_cut(void **state)
 	scene_clear(&s);
 }
 
+/* Tiles take in what they may have, though one place is so dense that its tile is small: two that
+ * follow each other never have room in one. */
+static void tiles_are_filled(void **state)
+{
+	(void)state;
+	const uint64_t most = 4500;
+	const double corner[3] = { 0.4, 0.4, 0.0 }, u[3] = { 0.2, 0.0, 0.0 }, v[3] = { 0.0, 0.2, 0.0 };
+	scene s = { 0 };
+	tiled t;
+	scene_add_box(&s, (double[3]){ 0, 0, 0 }, (double[3]){ 2, 2, 2 }, 20, 0.5f);
+	scene_add_patch(&s, &(scene_patch){ corner, u, v, 60, 60 }, 0.5f);
+	form(&t, &s, 0.1, most, 1);
+	uint32_t tiles = gw_tiling_tiles(t.tiling);
+	assert_true(tiles > 1);
+	for (uint32_t k = 0; k < tiles; k++) {
+		const uint64_t *first = t.members.first + k;
+		assert_true(first[1] - first[0] <= most);
+		assert_true(k + 1 == tiles || first[2] - first[0] > most);
+	}
+	clear(&t);
+	scene_clear(&s);
+}
+
 /* In the room hangs one; the furnace glows by itself. */
 static const gw_light lamp = { .type = GW_LIGHT_POINT,
 							   .position = { 0.45, 0.55, 0.7 },
@@ -302,9 +325,8 @@ static void a_room_has_no_seams(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(halos_are_what_is_around),
-		cmocka_unit_test(a_cube_is_not_cut),
-		cmocka_unit_test(a_furnace_has_no_tiles),
+		cmocka_unit_test(halos_are_what_is_around), cmocka_unit_test(a_cube_is_not_cut),
+		cmocka_unit_test(tiles_are_filled),         cmocka_unit_test(a_furnace_has_no_tiles),
 		cmocka_unit_test(a_room_has_no_seams),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
