@@ -1042,7 +1042,8 @@ typedef struct gw_statistics {
 	uint64_t normals_given, normals_bad; /* usable ones; zero or non-finite ones */
 	gw_stray_count stray[GW_STRAY_KIND_COUNT]; /* points that belong to no surface, by kind */
 	uint32_t depth;                            /* that GW_DEPTH_AUTO would choose */
-	uint64_t memory;                           /* bytes that a bake would need, estimated */
+	uint64_t memory; /* bytes that a process takes at most that bakes all of them by default
+						settings, of most clouds */
 } gw_statistics;
 
 /* Measures a cloud. threads: 0 means one a core. */

@@ -79,6 +79,13 @@ uint64_t gw_points_in_memory(uint64_t memory, bool normals, bool lamps,
 	return gw_bake_memory_points(&facts, left, GIVEN_BYTES);
 }
 
+uint64_t gw_memory_of_points(uint64_t points, bool normals, bool lamps,
+							 const gw_bake_options *options)
+{
+	const gw_memory_facts facts = gw_bake_memory_usual(points, normals, lamps, options);
+	return PROGRAM_BYTES + GIVEN_BYTES * points + gw_bake_memory(&facts);
+}
+
 size_t gw_surface_points_most(const gw_scene_description *scene, const gw_bake_options *options,
 							  uint64_t memory)
 {

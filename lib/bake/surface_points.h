@@ -27,6 +27,11 @@
  * be, or nobody knows. */
 uint64_t gw_surface_points_memory(const gw_points *points, const gw_bake_options *options);
 
+/* Bytes that a process takes at most that bakes all of so many points, of the program and its
+ * drivers as well, as far as can be told of most clouds; see gw_points_in_memory. */
+uint64_t gw_memory_of_points(uint64_t points, bool normals, bool lamps,
+							 const gw_bake_options *options);
+
 /* How many points the surface may be made of: gw_bake_options.surface_points, or what is likely to
  * fit into so much memory (bake_memory.h); at least as many as there are where all may. */
 size_t gw_surface_points_most(const gw_scene_description *scene, const gw_bake_options *options,

@@ -1,4 +1,5 @@
 /* measure.c - what a cloud looks like before it is baked; see gw_measure in glowworm.h. */
+#include "bake/surface_points.h"
 #include "octree/octree.h"
 #include "cloud/cloud_units.h"
 #include "cloud/frame.h"
@@ -10,34 +11,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-/*
- * Bytes that a bake holds at its peak, by what they grow with. A point: input, map and result, 140.
- * A surfel: its own arrays, 100, about one leaf with two facets, 190, and 16 fragments of 16 bytes
- * in two buffers while they are sorted, 512. Both directories of the octree: 16 MiB at most.
- */
-#define POINT_BYTES 140u
-#define SURFEL_BYTES 802u
-#define FIXED_BYTES (64u << 20)
-
 /* Of clouds with more surfels than this, about as many are looked at, in stretches of Morton order:
  * patches of surface in which all but those at their borders, 3 in 100, have all their neighbours.
  */
 #define LOOKED_AT 1048576u
 #define STRETCH 65536u
 
-/* What is known of all surfels before some are chosen. */
-typedef struct whole_cloud {
-	uint64_t surfels;
-} whole_cloud;
-
 static gw_status choose_stretches(void *user, const gw_surfels *surfels, uint8_t *chosen,
 								  gw_error *error)
 {
-	whole_cloud *whole = user;
 	size_t stretches = (surfels->count + STRETCH - 1) / STRETCH;
 	size_t most = LOOKED_AT / STRETCH, wanted = stretches < most ? stretches : most;
+	(void)user;
 	(void)error;
-	whole->surfels = surfels->count;
 	for (size_t i = 0; i < wanted; i++) {
 		size_t first = i * stretches / wanted * STRETCH, left = surfels->count - first;
 		memset(chosen + first, 1, left < STRETCH ? left : STRETCH);
@@ -70,11 +56,9 @@ static void measure_spacing(const gw_surfels *surfels, const float *gap, gw_stat
 static gw_status measure(const gw_points *points, const gw_points *given, int exponent,
 						 uint32_t threads, gw_statistics *statistics, gw_error *error)
 {
-	whole_cloud whole = { 0 };
 	gw_surfels_options options = { .threads = threads,
 								   .normals = GW_NORMALS_GIVEN,
 								   .choose = choose_stretches,
-								   .chooser = &whole,
 								   .choose_by_place = true };
 	gw_surfels surfels;
 	float *gap = NULL;
@@ -87,8 +71,9 @@ static gw_status measure(const gw_points *points, const gw_points *given, int ex
 		statistics->spacing[k] = ldexp(statistics->spacing[k], -exponent);
 	statistics->density = ldexp(statistics->density, 2 * exponent);
 	statistics->depth = gw_octree_auto_depth(&surfels);
+	const gw_bake_options usual = gw_bake_options_default();
 	statistics->memory =
-		FIXED_BYTES + (uint64_t)points->count * POINT_BYTES + whole.surfels * SURFEL_BYTES;
+		gw_memory_of_points(statistics->finite, statistics->normals_given > 0, true, &usual);
 	free(gap);
 	gw_surfels_clear(&surfels);
 	return GW_OK;
