@@ -26,7 +26,8 @@
 #define PENUMBRA_RAYS 16u
 
 #define UPLOAD_SURFELS 65536u /* at a time */
-#define CLOSED_SURFELS 1024u  /* likewise, for a thread */
+#define NORMALS_CHUNK 2048    /* of these that a thread takes at a time */
+#define CLOSED_SURFELS 1024u  /* the same where ways are closed */
 
 static gw_status bad_light(size_t index, const gw_light *light, const char *what, double value,
 						   const char *remedy, gw_error *error)
@@ -234,41 +235,53 @@ gw_lamp gw_lamp_of(const gw_light *light, const gw_octree *octree, const gw_surf
 	return (gw_lamp){ push_of(light, octree, surfels, options), light->distribution };
 }
 
+/* Some of the points' own normals, on their way to the device. */
+typedef struct own_normals {
+	const gw_lit_cloud *cloud;
+	bool off;     /* as far off as they may be */
+	size_t first; /* surfel of */
+	float *four;  /* 4 a surfel: and whether it is lit from both sides */
+} own_normals;
+
+static void take_normals(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const own_normals *n = user;
+	const gw_surfels *surfels = n->cloud->surfels;
+	const float *own = surfels->shading_normal ? surfels->shading_normal : surfels->normal;
+	(void)worker;
+	for (size_t i = first; i < last; i++) {
+		size_t s = n->first + i;
+		float *to = n->four + 4 * i;
+		uint8_t sides = surfels->two_sided[s];
+		memcpy(to, own + 3 * s, 3 * sizeof *to);
+		if (n->cloud->lit && !n->cloud->lit[s]) /* nothing reaches a surfel without a normal */
+			memset(to, 0, 3 * sizeof *to);
+		else if (n->off)
+			gw_normal_turn(surfels, s, to);
+		to[3] = sides == 1 || sides == GW_SIDE_FOLIAGE ? 1.0f : 0.0f;
+	}
+}
+
 /* The points' own normals, like octree->surfel_normal, which has those of the smoothed surface; as
  * they are, or as far off as they may be; none for those that stay dark. */
 static gw_status upload_normals(const gw_lit_cloud *cloud, bool off, gw_buffer *normal,
 								gw_error *error)
 {
 	gw_gpu *gpu = cloud->passes->gpu;
-	const gw_surfels *surfels = cloud->surfels;
-	const float *own = surfels->shading_normal ? surfels->shading_normal : surfels->normal;
-	size_t most = surfels->count < UPLOAD_SURFELS ? surfels->count : UPLOAD_SURFELS;
-	float *chunk = gw_allocate_array(most, 4 * sizeof *chunk);
-	if (!chunk)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the normals of %zu surfels",
-					   surfels->count);
-	gw_status status = gw_buffer_create(
-		gpu,
-		&(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
-								  16 * (uint64_t)surfels->count, "shading normals" },
-		normal, error);
-	for (size_t first = 0; first < surfels->count && status == GW_OK; first += UPLOAD_SURFELS) {
-		size_t left = surfels->count - first, count = left < UPLOAD_SURFELS ? left : UPLOAD_SURFELS;
-		for (size_t i = 0; i < count; i++) {
-			size_t s = first + i;
-			memcpy(chunk + 4 * i, own + 3 * s, 3 * sizeof *chunk);
-			if (cloud->lit && !cloud->lit[s]) /* nothing reaches a surfel without a normal */
-				memset(chunk + 4 * i, 0, 3 * sizeof *chunk);
-			else if (off)
-				gw_normal_turn(surfels, s, chunk + 4 * i);
-			chunk[4 * i + 3] =
-				(surfels->two_sided[s] == 1 || surfels->two_sided[s] == GW_SIDE_FOLIAGE) ? 1.0f
-																						 : 0.0f;
-		}
-		status =
-			gw_buffer_upload(gpu, normal, 16 * (uint64_t)first, chunk, 16 * (uint64_t)count, error);
+	size_t all = cloud->surfels->count, most = all < UPLOAD_SURFELS ? all : UPLOAD_SURFELS;
+	own_normals n = { cloud, off, 0, gw_allocate_array(most, 4 * sizeof *n.four) };
+	if (!n.four)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the normals of %zu surfels", all);
+	const gw_buffer_description description = { GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
+												16 * (uint64_t)all, "shading normals" };
+	gw_status status = gw_buffer_create(gpu, &description, normal, error);
+	for (; n.first < all && status == GW_OK; n.first += UPLOAD_SURFELS) {
+		size_t count = all - n.first < UPLOAD_SURFELS ? all - n.first : UPLOAD_SURFELS;
+		gw_parallel_for(cloud->options->threads, count, NORMALS_CHUNK, take_normals, &n);
+		status = gw_buffer_upload(gpu, normal, 16 * (uint64_t)n.first, n.four, 16 * (uint64_t)count,
+								  error);
 	}
-	free(chunk);
+	free(n.four);
 	return status;
 }
 

@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "base/nth_element.h"
 #include "base/up_axis.h"
+#include "normals/patch_borders.h"
 #include "normals/patch_signs.h"
 #include "normals/seen_from_above.h"
 #include "normals/shells.h"
@@ -14,9 +15,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Agreement of two normals as it is stored, and from which on a pair is smooth surface. Pairs are
- * taken in steps, the surest first. */
-#define AGREED 127
+/* The agreement from which on a pair is smooth surface. Pairs are taken in steps, the surest first.
+ */
 #define SMOOTH 102
 #define SMOOTH_STEP 8
 
@@ -73,9 +73,6 @@
 /* Normals that rise or fall by less than that are of walls, which do not face up. */
 #define LEVEL 0.3
 
-/* Pairs of points across borders that are held at first. */
-#define BORDERS 65536
-
 /* What is known of patches that hang together, with the signs that they have. */
 typedef struct patch_group {
 	gw_side_light light;
@@ -98,16 +95,16 @@ typedef struct choice {
 typedef struct orientation_work {
 	const gw_surfels_options *options;
 	gw_surfels *surfels;
-	uint32_t *near;    /* GW_NEIGHBOURS * count; the surfel itself where there is none */
-	int8_t *agreement; /* GW_NEIGHBOURS * count, in 1 / AGREED */
-	float *area;       /* count, m^2, rough */
-	uint32_t *parent;  /* count: of the trees of patches */
-	uint32_t *size;    /* count: of a root's tree */
-	uint8_t *opposite; /* count: sign against that of the parent, then of the patch */
-	uint32_t *patch;   /* count: number of a surfel's patch */
-	gw_patch_border *borders;
-	size_t border_count, border_room;
-	bool alike; /* what borders at creases say is made more like what others say */
+	uint32_t *near;              /* GW_NEIGHBOURS * count; the surfel itself where there is none */
+	int8_t *agreement;           /* GW_NEIGHBOURS * count, in 1 / GW_AGREED */
+	float *area;                 /* count, m^2, rough */
+	uint32_t *parent;            /* count: of the trees of patches */
+	uint32_t *size;              /* count: of a root's tree */
+	uint8_t *opposite;           /* count: sign against that of the parent, then of the patch */
+	uint32_t *patch;             /* count: number of a surfel's patch */
+	gw_patch_border *borders[2]; /* border_count, NULL until they are asked for: as pairs say, and
+									with what they say at creases made more like the rest */
+	size_t border_count[2];
 	size_t patch_count;
 	gw_side_sight *sights; /* what rays from patches meet */
 	size_t sight_count;
@@ -155,7 +152,7 @@ static void find_pairs(void *user, size_t surfel, const gw_neighbour_list *list)
 		float both = agree(position + 3 * surfel, normal + 3 * surfel, position + 3 * other,
 						   normal + 3 * other);
 		w->near[at] = (uint32_t)other;
-		w->agreement[at] = (int8_t)lrintf(AGREED * fminf(fmaxf(both, -1), 1));
+		w->agreement[at] = (int8_t)lrintf(GW_AGREED * fminf(fmaxf(both, -1), 1));
 	}
 	/* The circle to the last neighbour holds them all, if they lie on one surface. */
 	float reach = list->count ? list->distance[list->count - 1] : 0;
@@ -201,7 +198,7 @@ static void join(orientation_work *w, uint32_t a, uint32_t b, bool opposite)
 static void join_smooth(orientation_work *w)
 {
 	size_t pairs = GW_NEIGHBOURS * w->surfels->count;
-	for (int least = AGREED - SMOOTH_STEP; least >= SMOOTH; least -= SMOOTH_STEP)
+	for (int least = GW_AGREED - SMOOTH_STEP; least >= SMOOTH; least -= SMOOTH_STEP)
 		for (size_t i = 0; i < pairs; i++)
 			if (abs(w->agreement[i]) >= least && abs(w->agreement[i]) < least + SMOOTH_STEP + 1)
 				join(w, (uint32_t)(i / GW_NEIGHBOURS), w->near[i], w->agreement[i] < 0);
@@ -222,48 +219,19 @@ static void number_patches(orientation_work *w)
 
 /* -------------------------------------------------------------------------------------- borders */
 
-/* Room for one more: what is there is summed, and where that helps little there is more room. */
-static bool make_room(orientation_work *w)
+static gw_status find_borders(orientation_work *w, bool alike, gw_error *error)
 {
-	if (w->border_count < w->border_room)
-		return true;
-	w->border_count = gw_patch_borders_merge(w->borders, w->border_count);
-	if (w->border_count < w->border_room / 2)
-		return true;
-	size_t room = w->border_room ? 2 * w->border_room : BORDERS;
-	gw_patch_border *more = gw_resize_array(w->borders, room, sizeof *more);
-	if (!more)
-		return false;
-	w->borders = more;
-	w->border_room = room;
-	return true;
-}
-
-/* What a pair across a border says, a whole number. Pairs at a crease agree less than those on
- * smooth surface, however sure they are: roots make what they say more alike, so that light does
- * less to tear things apart at their edges. */
-static double border_says(const orientation_work *w, size_t surfel, size_t other, int agreement)
-{
-	double says = w->alike ? round(sqrt((double)(AGREED * abs(agreement)))) : abs(agreement);
-	return (w->opposite[surfel] != w->opposite[other]) != (agreement < 0) ? -says : says;
-}
-
-static gw_status collect_borders(orientation_work *w, gw_error *error)
-{
-	size_t pairs = GW_NEIGHBOURS * w->surfels->count;
-	for (size_t i = 0; i < pairs; i++) {
-		size_t surfel = i / GW_NEIGHBOURS, other = w->near[i];
-		uint32_t a = w->patch[surfel], b = w->patch[other];
-		double says = a == b ? 0 : border_says(w, surfel, other, w->agreement[i]);
-		if (says == 0)
-			continue;
-		if (!make_room(w))
-			return gw_fail(error, GW_ERROR_MEMORY, "no memory for the borders of %zu patches",
-						   w->patch_count);
-		w->borders[w->border_count++] =
-			(gw_patch_border){ a < b ? a : b, a < b ? b : a, says, fabs(says) };
-	}
-	return GW_OK;
+	const gw_patch_pairs pairs = { .count = w->surfels->count,
+								   .near = w->near,
+								   .agreement = w->agreement,
+								   .patch = w->patch,
+								   .opposite = w->opposite,
+								   .alike = alike };
+	if (w->borders[alike] || gw_patch_borders_find(&pairs, w->options->threads, &w->borders[alike],
+												   &w->border_count[alike]))
+		return GW_OK;
+	return gw_fail(error, GW_ERROR_MEMORY, "no memory for the borders of %zu patches",
+				   w->patch_count);
 }
 
 /* ------------------------------------------------------------------------------------- evidence */
@@ -424,10 +392,10 @@ static void find_own(orientation_work *w)
 {
 	memset(w->own, 0, w->patch_count * sizeof *w->own);
 	for (size_t i = 0; i < w->surfels->count; i++)
-		w->own[w->patch[i]] += AGREED;
+		w->own[w->patch[i]] += GW_AGREED;
 	for (size_t i = 0; i < w->patch_count; i++) {
 		w->own[i] *= LIGHT_WEIGHT * find_certainty(w, i) + SEEN_WEIGHT * find_seen(w, i);
-		w->own[i] += GIVEN_WEIGHT * AGREED * w->given[i];
+		w->own[i] += GIVEN_WEIGHT * GW_AGREED * w->given[i];
 	}
 }
 
@@ -470,11 +438,9 @@ static gw_status choose_signs(orientation_work *w, bool alike, gw_error *error)
 	const gw_surfels_options *o = w->options;
 	if (o->cancelled && o->cancelled(o->user))
 		return gw_fail(error, GW_ERROR_CANCELLED, "stopped while choosing front sides");
-	w->alike = alike;
-	w->border_count = 0;
-	GW_TRY(collect_borders(w, error));
-	gw_patch_groups *groups =
-		gw_patch_groups_make(w->patch_count, w->borders, w->border_count, w->now.sign, w->group);
+	GW_TRY(find_borders(w, alike, error));
+	gw_patch_groups *groups = gw_patch_groups_make(w->patch_count, w->borders[alike],
+												   w->border_count[alike], w->now.sign, w->group);
 	if (!groups)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu patches", w->patch_count);
 	turn_best(w, groups);
@@ -711,7 +677,7 @@ static bool is_smooth(const orientation_work *w, size_t surfel)
 	int sum = 0;
 	for (size_t j = 0; j < GW_NEIGHBOURS; j++)
 		sum += abs(w->agreement[GW_NEIGHBOURS * surfel + j]);
-	return sum >= UNDERSIDE_SMOOTH * AGREED * GW_NEIGHBOURS;
+	return sum >= UNDERSIDE_SMOOTH * GW_AGREED * GW_NEIGHBOURS;
 }
 
 /* Does the sky shine on the back of a patch, and hardly on its front? Light from where nothing was
@@ -851,7 +817,8 @@ static void release(orientation_work *w)
 	free(w->size);
 	free(w->opposite);
 	free(w->patch);
-	free(w->borders);
+	free(w->borders[0]);
+	free(w->borders[1]);
 	free(w->sights);
 	free_choice(&w->now);
 	free_choice(&w->by_sky);
