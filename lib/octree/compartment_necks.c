@@ -137,7 +137,8 @@ static gw_status find_between(gw_gpu *gpu, const gw_octree *octree, narrows *n, 
 }
 
 gw_status gw_compartments_find_necks(gw_gpu *gpu, const gw_octree *octree,
-									 const gw_surfels *surfels, gw_compartments *c, gw_error *error)
+									 const gw_surfels *surfels, uint32_t threads,
+									 gw_compartments *c, gw_error *error)
 {
 	narrows n = { c, gw_allocate_zeros(octree->leaf_tile_count, 1) };
 	c->node_neck = gw_allocate_zeros(c->first / 8, 1);
@@ -147,5 +148,6 @@ gw_status gw_compartments_find_necks(gw_gpu *gpu, const gw_octree *octree,
 			? find_between(gpu, octree, &n, error)
 			: gw_fail(error, GW_ERROR_MEMORY, "no memory for the necks of %u tiles", c->first / 8);
 	free(n.rims);
-	return status == GW_OK ? gw_compartments_mark_discs(gpu, octree, surfels, c, error) : status;
+	return status == GW_OK ? gw_compartments_mark_discs(gpu, octree, surfels, threads, c, error)
+						   : status;
 }

@@ -12,7 +12,9 @@
 
 #include "octree/octree_layout.h"
 #include "base/memory.h"
+#include "glowworm_host.h"
 
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -43,6 +45,21 @@ typedef struct closing {
 	cell cell;
 	uint32_t surfel;
 } closing;
+
+typedef struct closings {
+	closing *list;
+	size_t count, room;
+} closings;
+
+/* What is below a cell of one level is looked at by itself. */
+#define PARTS_LEVEL 4u
+
+typedef struct void_part {
+	cell cell;
+	uint32_t tile;  /* of its children */
+	size_t before;  /* closings of the cells above parts that come before its own */
+	closings found; /* its own */
+} void_part;
 
 static uint32_t octant_of(const cell *of, uint32_t level)
 {
@@ -198,11 +215,19 @@ typedef struct sparse {
 	uint8_t *count;              /* a node: surfels below it, COUNT_MOST at most */
 	uint8_t *leaves;             /* a node: likewise of foliage */
 	uint32_t *first;             /* a node: the first of these */
-	window *window;              /* one for the children of each level */
-	closing *closing;
-	size_t closings, room;
-	bool failed;
+	closings all;                /* of the cells above parts, in the end all of them */
+	void_part *part;
+	size_t parts, part_room;
+	atomic_bool failed;
 } sparse;
+
+/* One thread's search for voids. */
+typedef struct void_search {
+	sparse *of;
+	bool above;      /* not below a part */
+	closings *found; /* receives them */
+	window *window;  /* one for the children of each level */
+} void_search;
 
 /* The cells that a surfel lies in, from the root on; false: there is none of the next level. */
 static bool descend(const gw_compartments *c, const float *place, cell *of, uint32_t *node)
@@ -274,18 +299,20 @@ static bool is_sparse(const sparse *s, const window *w, const cell *of)
 		   leaves < points;
 }
 
-static void add_closing(sparse *s, const cell *of, uint32_t surfel)
+static void add_closing(void_search *s, const cell *of, uint32_t surfel)
 {
-	if (s->closings == s->room) {
-		size_t room = s->room + s->room / 2 + 256;
-		closing *more = gw_resize_array(s->closing, room, sizeof *more);
-		s->failed = s->failed || more == NULL;
-		if (more == NULL)
+	closings *to = s->found;
+	if (to->count == to->room) {
+		size_t room = to->room + to->room / 2 + 256;
+		closing *more = gw_resize_array(to->list, room, sizeof *more);
+		if (more == NULL) {
+			atomic_store(&s->of->failed, true);
 			return;
-		s->closing = more;
-		s->room = room;
+		}
+		to->list = more;
+		to->room = room;
 	}
-	s->closing[s->closings++] = (closing){ *of, surfel };
+	to->list[to->count++] = (closing){ *of, surfel };
 }
 
 /* Does the plane of a surfel pass a cell? */
@@ -298,7 +325,7 @@ static bool passes(const sparse *s, uint32_t surfel, const cell *of)
 }
 
 /* A sparse cell's surface fills it, and so it does voids near it. */
-static void close_around(sparse *s, const window *w, const cell *of, uint32_t surfel)
+static void close_around(void_search *s, const window *w, const cell *of, uint32_t surfel)
 {
 	const int32_t wide = 2 * REACH + 1;
 	add_closing(s, of, surfel);
@@ -307,7 +334,7 @@ static void close_around(sparse *s, const window *w, const cell *of, uint32_t su
 		to.at[0] += i % wide - REACH;
 		to.at[1] += i / wide % wide - REACH;
 		to.at[2] += i / wide / wide - REACH;
-		if (passes(s, surfel, &to) && is_void(w, place_of(w, &to)))
+		if (passes(s->of, surfel, &to) && is_void(w, place_of(w, &to)))
 			add_closing(s, &to, surfel);
 	}
 }
@@ -331,48 +358,130 @@ static uint32_t find_sparse(const sparse *s, const cell *parent, uint32_t tile, 
 	return found;
 }
 
-/* The voids around all sparse cells among the children of a tile, and below them. */
-static void find_voids(sparse *s, const cell *parent, uint32_t tile)
+static void add_part(sparse *s, const cell *of, uint32_t tile)
 {
-	window *w = s->window + parent->level;
+	if (s->parts == s->part_room) {
+		size_t room = s->part_room + s->part_room / 2 + 64;
+		void_part *more = gw_resize_array(s->part, room, sizeof *more);
+		if (more == NULL) {
+			atomic_store(&s->failed, true);
+			return;
+		}
+		s->part = more;
+		s->part_room = room;
+	}
+	s->part[s->parts++] = (void_part){ .cell = *of, .tile = tile, .before = s->all.count };
+}
+
+/* The voids around all sparse cells among the children of a tile, and below them. */
+static void find_voids(void_search *search, const cell *parent, uint32_t tile)
+{
+	sparse *s = search->of;
+	window *w = search->window + parent->level;
+	if (search->above && parent->level == PARTS_LEVEL) {
+		add_part(s, parent, tile);
+		return;
+	}
 	uint32_t sparse_ones = find_sparse(s, parent, tile, w);
 	if (sparse_ones != 0)
 		look_around(s->c, parent, AROUND_VOIDS, w);
-	for (uint32_t octant = 0; octant < 8 && !s->failed; octant++) {
+	for (uint32_t octant = 0; octant < 8 && !atomic_load(&s->failed); octant++) {
 		uint32_t node = 8 * tile + octant, to = s->c->child[node];
 		const cell of = child_of(parent, octant);
 		if (s->count[node] == 0)
 			continue;
 		if ((sparse_ones >> octant & 1u) != 0)
-			close_around(s, w, &of, s->first[node]);
+			close_around(search, w, &of, s->first[node]);
 		if (to != 0 && to != GW_WALL && of.level < s->c->depth - LEVELS_ABOVE)
-			find_voids(s, &of, to - 1);
+			find_voids(search, &of, to - 1);
 	}
 }
 
-static bool close_all(sparse *s, const gw_surfels *surfels)
+/* Those below a cell. */
+static void search_below(sparse *s, const cell *of, uint32_t tile, closings *found)
 {
-	gw_walls w = { .c = s->c, .room = s->c->first / 8 };
+	void_search one = { s, found == &s->all, found,
+						gw_allocate_array(s->c->depth, sizeof *one.window) };
+	if (one.window)
+		find_voids(&one, of, tile);
+	else
+		atomic_store(&s->failed, true);
+	free(one.window);
+}
+
+static void search_parts(void *user, size_t first, size_t last, uint32_t worker)
+{
+	sparse *s = user;
+	(void)worker;
+	for (size_t p = first; p < last; p++)
+		search_below(s, &s->part[p].cell, s->part[p].tile, &s->part[p].found);
+}
+
+/* All closings as one search would have found them. */
+static bool join_closings(sparse *s)
+{
+	closings joined = { .room = s->all.count };
+	size_t above = 0;
+	for (size_t p = 0; p < s->parts; p++)
+		joined.room += s->part[p].found.count;
+	joined.list = gw_allocate_array(joined.room, sizeof *joined.list);
+	if (joined.list == NULL)
+		return false;
+	for (size_t p = 0; p < s->parts; p++) {
+		closings *own = &s->part[p].found;
+		for (; above < s->part[p].before; above++)
+			joined.list[joined.count++] = s->all.list[above];
+		for (size_t i = 0; i < own->count; i++)
+			joined.list[joined.count++] = own->list[i];
+		free(own->list);
+		*own = (closings){ .count = 0 };
+	}
+	for (; above < s->all.count; above++)
+		joined.list[joined.count++] = s->all.list[above];
+	free(s->all.list);
+	s->all = joined;
+	return true;
+}
+
+static bool find_closings(sparse *s, const gw_surfels *surfels, uint32_t threads)
+{
 	const cell root = { 0 };
 	s->count = gw_allocate_zeros(s->c->first, sizeof *s->count);
 	s->leaves = gw_allocate_zeros(s->c->first, sizeof *s->leaves);
 	s->first = gw_allocate_array(s->c->first, sizeof *s->first);
-	s->window = gw_allocate_array(s->c->depth, sizeof *s->window);
-	if (!s->count || !s->leaves || !s->first || !s->window)
+	if (!s->count || !s->leaves || !s->first)
 		return false;
 	count_surfels(s, surfels);
-	find_voids(s, &root, 0);
-	for (size_t i = 0; i < s->closings && !s->failed && !w.failed; i++) {
-		const closing *close = s->closing + i;
-		size_t j = close->surfel;
-		gw_wall_cell(&w, close->cell.level, close->cell.at, s->place + 4 * j, s->normal + 4 * j);
-	}
-	return !s->failed && !w.failed;
+	search_below(s, &root, 0, &s->all);
+	gw_parallel_for(threads, s->parts, 1, search_parts, s);
+	return !atomic_load(&s->failed) && join_closings(s);
+}
+
+/* The plane of a closing. */
+static bool shape_of(const void *user, size_t number, gw_wall_shape *shape)
+{
+	const sparse *s = user;
+	const closing *close = s->all.list + number;
+	size_t at = 4 * (size_t)close->surfel;
+	*shape =
+		gw_wall_shape_of_plane(s->place + at, s->normal + at, close->cell.level, close->cell.at);
+	return true;
+}
+
+static gw_status close_all(sparse *s, const gw_surfels *surfels, uint32_t threads, gw_error *error)
+{
+	if (!find_closings(s, surfels, threads))
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for walls of %zu surfels",
+					   surfels->count);
+	const gw_wall_shapes shapes = {
+		.count = s->all.count, .of = shape_of, .user = s, .planes = true
+	};
+	return gw_walls_make(s->c, &shapes, threads, error);
 }
 
 gw_status gw_compartments_close_sparse(gw_gpu *gpu, const gw_octree *octree,
-									   const gw_surfels *surfels, gw_compartments *c,
-									   gw_error *error)
+									   const gw_surfels *surfels, uint32_t threads,
+									   gw_compartments *c, gw_error *error)
 {
 	sparse s = { .c = c };
 	gw_view place = { 0 }, normal = { 0 };
@@ -384,15 +493,16 @@ gw_status gw_compartments_close_sparse(gw_gpu *gpu, const gw_octree *octree,
 		status = gw_view_open(gpu, &octree->surfel_normal, bytes, &normal, error);
 	s.place = place.bytes;
 	s.normal = normal.bytes;
-	if (status == GW_OK && !close_all(&s, surfels))
-		status =
-			gw_fail(error, GW_ERROR_MEMORY, "no memory for walls of %zu surfels", surfels->count);
+	if (status == GW_OK)
+		status = close_all(&s, surfels, threads, error);
 	gw_view_close(&normal);
 	gw_view_close(&place);
 	free(s.count);
 	free(s.leaves);
 	free(s.first);
-	free(s.window);
-	free(s.closing);
+	for (size_t p = 0; p < s.parts; p++)
+		free(s.part[p].found.list);
+	free(s.part);
+	free(s.all.list);
 	return status;
 }

@@ -163,13 +163,13 @@ static gw_status find_in_own_cells(gw_gpu *gpu, const gw_surfels *surfels, uint3
 	if (status == GW_OK)
 		status = gw_compartments_close_voids(gpu, octree, c, error);
 	if (status == GW_OK)
-		status = gw_compartments_wall_discs(gpu, octree, surfels, c, error);
+		status = gw_compartments_wall_discs(gpu, octree, surfels, threads, c, error);
 	if (status == GW_OK)
-		status = gw_compartments_close_sparse(gpu, octree, surfels, c, error);
+		status = gw_compartments_close_sparse(gpu, octree, surfels, threads, c, error);
 	if (status == GW_OK)
 		status = gw_compartments_close_voids_again(gpu, octree, c, error);
 	if (status == GW_OK)
-		status = gw_compartments_find_necks(gpu, octree, surfels, c, error);
+		status = gw_compartments_find_necks(gpu, octree, surfels, threads, c, error);
 	if (status == GW_OK)
 		status = gw_compartments_join(gpu, octree, surfels->count, threads, c, error);
 	if (status == GW_OK && is_any_apart(c, root))

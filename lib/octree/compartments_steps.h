@@ -93,29 +93,51 @@ uint32_t gw_compartment_leaf_tile(const gw_compartments *c, const int32_t cell[3
 /* Leaf cells: discs of this radius and more are of sparse surface. */
 #define GW_SPARSE_RADIUS 2.0f
 
-/* Walls being made; c->first grows. */
-typedef struct gw_walls {
-	gw_compartments *c;
-	size_t room; /* tiles for which there is memory */
-	bool necks;  /* makes necks, not walls */
-	bool failed;
-} gw_walls;
+/* What makes walls of the empty cells that it passes: a disc, or the plane of a cell. */
+typedef struct gw_wall_shape {
+	const float *place, *normal; /* leaf cells */
+	float radius;
+	float tangent[3], bitangent[3];
+	float cut[2][3]; /* direction and distance, leaf cells */
+	uint32_t level;  /* of the cells that become walls; finer ones do where finer surface is */
+	float reach;     /* beyond which none of these has its middle */
+	uint32_t within; /* the level of the cell that it is within, or 0: it may be anywhere */
+	int32_t at[3];   /* that cell */
+} gw_wall_shape;
 
-/* Makes a wall of a cell of a level, but above the leaves; where it holds something, of what a
- * plane passes of it.
- *   place, normal   of the plane, leaf cells */
-void gw_wall_cell(gw_walls *walls, uint32_t level, const int32_t at[3], const float *place,
-				  const float *normal);
+/* A disc, all of whose cells are about as wide as itself. */
+gw_wall_shape gw_wall_shape_of_disc(const float *place, const float *normal, const float *size,
+									const float *clip, uint32_t depth);
+
+/* A cell of a level but above the leaves; where it holds something, what a plane passes of it. */
+gw_wall_shape gw_wall_shape_of_plane(const float *place, const float *normal, uint32_t level,
+									 const int32_t at[3]);
+
+/* Gives a shape by its number; false: that one makes no walls. Called by several threads. */
+typedef bool gw_wall_shape_of(const void *user, size_t number, gw_wall_shape *shape);
+
+typedef struct gw_wall_shapes {
+	size_t count;
+	gw_wall_shape_of *of;
+	const void *user;
+	bool planes; /* not discs */
+	bool necks;  /* they make necks, not walls */
+} gw_wall_shapes;
+
+/* Makes walls or necks as the shapes would in their order; c->first grows. The number of threads
+ * changes nothing. */
+gw_status gw_walls_make(gw_compartments *c, const gw_wall_shapes *shapes, uint32_t threads,
+						gw_error *error);
 
 /* Makes walls of the voids in surface that is sparser than leaves are wide; c->first grows. */
 gw_status gw_compartments_close_sparse(gw_gpu *gpu, const gw_octree *octree,
-									   const gw_surfels *surfels, gw_compartments *c,
-									   gw_error *error);
+									   const gw_surfels *surfels, uint32_t threads,
+									   gw_compartments *c, gw_error *error);
 
 /* Makes walls of the discs of sparse surface that is opaque; c->first grows. */
 gw_status gw_compartments_wall_discs(gw_gpu *gpu, const gw_octree *octree,
-									 const gw_surfels *surfels, gw_compartments *c,
-									 gw_error *error);
+									 const gw_surfels *surfels, uint32_t threads,
+									 gw_compartments *c, gw_error *error);
 
 /* Takes out of c->leaves those without a facet that lie before the planes of all their points. */
 gw_status gw_compartments_open_near(gw_gpu *gpu, const gw_octree *octree, const gw_surfels *surfels,
@@ -131,13 +153,13 @@ gw_status gw_compartments_close_voids_again(gw_gpu *gpu, const gw_octree *octree
 
 /* Makes necks of what discs of sparse surface would cover that are cut; c->first grows. */
 gw_status gw_compartments_mark_discs(gw_gpu *gpu, const gw_octree *octree,
-									 const gw_surfels *surfels, gw_compartments *c,
-									 gw_error *error);
+									 const gw_surfels *surfels, uint32_t threads,
+									 gw_compartments *c, gw_error *error);
 
 /* Fills in c->node_neck and c->leaf_neck; c->first grows. */
 gw_status gw_compartments_find_necks(gw_gpu *gpu, const gw_octree *octree,
-									 const gw_surfels *surfels, gw_compartments *c,
-									 gw_error *error);
+									 const gw_surfels *surfels, uint32_t threads,
+									 gw_compartments *c, gw_error *error);
 
 /* Fills in c->label: the same number for all cells that are joined. */
 gw_status gw_compartments_join(gw_gpu *gpu, const gw_octree *octree, size_t surfels,

@@ -145,57 +145,63 @@ static gw_status finish(gw_octree_work *work, gw_leaves_push push, gw_error *err
 						 error);
 }
 
-/* The least of the 13 cells around one that come before it in the order of z, y, x; step is -1, and
- * 1 for those that come behind. */
-static unsigned least_before(const uint8_t *cell, ptrdiff_t row, ptrdiff_t layer, ptrdiff_t step)
+static uint8_t lesser(uint8_t a, uint8_t b)
 {
-	unsigned least = cell[step];
-	for (ptrdiff_t x = -1; x <= 1; x++) {
-		unsigned in_layer = cell[step * row + x];
-		least = in_layer < least ? in_layer : least;
-		for (ptrdiff_t y = -1; y <= 1; y++) {
-			unsigned beside = cell[step * layer + y * row + x];
-			least = beside < least ? beside : least;
-		}
+	return a < b ? a : b;
+}
+
+/* Lowers a row's distances by the 13 cells around each that come before it in the order of z, y, x;
+ * step is -1, and 1 for those that come behind. least: side + 2. */
+static void spread_along_row(uint8_t *row, size_t side, ptrdiff_t step, uint8_t *least)
+{
+	const ptrdiff_t wide = (ptrdiff_t)side + 2, layer = wide * wide;
+	const uint8_t *beside = row + step * wide, *below = row + step * layer;
+	for (ptrdiff_t x = 0; x < wide; x++)
+		least[x] = lesser(lesser(beside[x], below[x]), lesser(below[x - wide], below[x + wide]));
+	uint8_t last = GW_DISTANCE_FAR;
+	for (ptrdiff_t n = 1; n <= (ptrdiff_t)side; n++) {
+		ptrdiff_t x = step < 0 ? n : wide - 1 - n;
+		uint8_t around = lesser(lesser(least[x - 1], least[x]), lesser(least[x + 1], last));
+		last = lesser(row[x], around < GW_DISTANCE_FAR ? (uint8_t)(around + 1) : around);
+		row[x] = last;
 	}
-	return least;
 }
 
 /*
  * Chessboard distances to the nearest cell of 0, in a grid with a rim of one cell that stays as it
  * is. Two passes in opposite orders are exact: a shortest way goes first along, then against one.
+ * least: side + 2, for their use.
  */
-static void spread_distances(uint8_t *grid, size_t side)
+static void spread_distances(uint8_t *grid, size_t side, uint8_t *least)
 {
-	ptrdiff_t row = (ptrdiff_t)side + 2, layer = row * row;
-	for (int pass = 0; pass < 2; pass++) {
-		ptrdiff_t step = pass == 0 ? -1 : 1;
-		for (size_t n = 0; n < side * side * side; n++) {
-			size_t i = pass == 0 ? n : side * side * side - 1 - n;
-			uint8_t *cell = grid + (i / (side * side) + 1) * (size_t)layer +
-							(i / side % side + 1) * (size_t)row + i % side + 1;
-			unsigned least = *cell > 1 ? least_before(cell, row, layer, step) + 1 : *cell;
-			*cell = (uint8_t)(least < *cell ? least : *cell);
-		}
-	}
+	const size_t wide = side + 2;
+	for (size_t z = 1; z <= side; z++)
+		for (size_t y = 1; y <= side; y++)
+			spread_along_row(grid + (z * wide + y) * wide, side, -1, least);
+	for (size_t z = side; z > 0; z--)
+		for (size_t y = side; y > 0; y--)
+			spread_along_row(grid + (z * wide + y) * wide, side, 1, least);
 }
 
 /* Marks of `side`^3 cells become distances, at most GW_DISTANCE_FAR. */
 static bool make_distances(uint32_t *cells, size_t side)
 {
-	size_t row = side + 2;
-	uint8_t *grid = gw_allocate_array(row * row * row, 1);
+	const size_t wide = side + 2, all = wide * wide * wide;
+	uint8_t *grid = gw_allocate_array(all + wide, 1);
 	if (grid == NULL)
 		return false;
-	memset(grid, GW_DISTANCE_FAR, row * row * row);
-	for (size_t i = 0; i < side * side * side; i++)
-		if (cells[i] != 0)
-			grid[(i / (side * side) + 1) * row * row + (i / side % side + 1) * row + i % side + 1] =
-				0;
-	spread_distances(grid, side);
-	for (size_t i = 0; i < side * side * side; i++)
-		cells[i] =
-			grid[(i / (side * side) + 1) * row * row + (i / side % side + 1) * row + i % side + 1];
+	memset(grid, GW_DISTANCE_FAR, all);
+	const uint32_t *mark = cells;
+	for (size_t z = 1; z <= side; z++)
+		for (size_t y = 1; y <= side; y++)
+			for (size_t x = 1; x <= side; x++)
+				if (*mark++ != 0)
+					grid[(z * wide + y) * wide + x] = 0;
+	spread_distances(grid, side, grid + all);
+	for (size_t z = 1; z <= side; z++)
+		for (size_t y = 1; y <= side; y++)
+			for (size_t x = 1; x <= side; x++)
+				*cells++ = grid[(z * wide + y) * wide + x];
 	free(grid);
 	return true;
 }
