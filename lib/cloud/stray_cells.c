@@ -147,8 +147,23 @@ static size_t find_around(const gw_stray_cells *cells, size_t cell, int coarser,
  * first, then those with an edge, so that what a surface has is soon counted. */
 static const int to_beside[AROUND / 2] = { 1, 3, 9, 2, 4, 6, 8, 10, 12, 5, 7, 11, 13 };
 
+/* Surfels in the eight cells of which the one above them in size is made. All touch each other, and
+ * those that there are come one after another. */
+static size_t count_siblings(const gw_stray_cells *cells, size_t cell)
+{
+	uint64_t above = cells->key[cell] >> 3;
+	size_t first = cell, end = cell + 1;
+	while (first > 0 && cells->key[first - 1] >> 3 == above)
+		first--;
+	while (end < cells->count && cells->key[end] >> 3 == above)
+		end++;
+	return cells->first[end] - cells->first[first];
+}
+
 bool gw_stray_cells_few_around(const gw_stray_cells *cells, size_t cell, size_t few)
 {
+	if (count_siblings(cells, cell) > few)
+		return false;
 	size_t range[2], surfels = cells->first[cell + 1] - cells->first[cell];
 	uint32_t place[3];
 	gw_morton_decode(cells->key[cell], place);
