@@ -71,6 +71,9 @@ class nearest_points : public flann::ResultSet<float>
 	/* Of the tree that is searched: the numbers of its points. */
 	const int *number = nullptr;
 
+	/* Which of all points are left out, or none. */
+	const uint8_t *gone = nullptr;
+
 	bool full() const override
 	{
 		return count == capacity;
@@ -117,6 +120,8 @@ class sorted_list final : public nearest_points
 	{
 		const int own = number[of_tree];
 		size_t at = count;
+		if (gone && gone[own])
+			return;
 		if (!full())
 			count++;
 		else if (comes_after(capacity - 1, far, own))
@@ -146,6 +151,8 @@ class heap final : public nearest_points
 	void addPoint(float far, size_t of_tree) override
 	{
 		const entry own = { far, number[of_tree] };
+		if (gone && gone[own.index])
+			return;
 		if (full()) {
 			if (!(own < kept.front()))
 				return;
@@ -275,7 +282,8 @@ struct gw_neighbour_index {
 	std::vector<int> number; /* of all points, part by part */
 	std::vector<part> parts;
 	std::vector<plane> planes; /* of part i, once there were n: the (n + i)-th */
-	size_t halved = 0;         /* so many parts there are yet */
+	const uint8_t *gone = nullptr;
+	size_t halved = 0; /* so many parts there are yet */
 	std::atomic<bool> failed{ false };
 };
 
@@ -305,6 +313,7 @@ static void find(const gw_neighbour_index &index, const float *query, nearest_po
 {
 	float within;
 	size_t own = part_of(index, query, &within);
+	nearest.gone = index.gone;
 	find_in(index.parts[own], query, nearest);
 	for (size_t i = 0; i < index.parts.size() && within < nearest.worstDist(); i++)
 		if (i != own && index.parts[i].squared_distance(query) < nearest.worstDist())
@@ -385,6 +394,11 @@ extern "C" void gw_neighbour_index_free(gw_neighbour_index *index)
 	delete index;
 	if (large)
 		gw_give_back_memory();
+}
+
+extern "C" void gw_neighbour_index_leave_out(gw_neighbour_index *index, const uint8_t *gone)
+{
+	index->gone = gone;
 }
 
 /* False when there are fewer than k, as of a query that is not finite. */

@@ -24,9 +24,16 @@ gw_neighbour_index *gw_neighbour_index_build(const float *position, size_t count
 void gw_neighbour_index_free(gw_neighbour_index *index);
 
 /*
+ * From now on some points are not found any more.
+ *   gone  one a point: 1 where it is left out. Referred to until the index is freed; may change
+ *         between searches
+ */
+void gw_neighbour_index_leave_out(gw_neighbour_index *index, const uint8_t *gone);
+
+/*
  * Finds the k points nearest to each of query_count queries, nearest first, and of points that are
  * equally far those of the lowest numbers. Several threads may search one index at the same time.
- *   k         1..number of points in the tree
+ *   k         1..number of points in the tree that are not left out
  *   found     k * query_count indices
  *   squared   k * query_count squared distances
  * Returns false when memory is short, or a query is not finite.

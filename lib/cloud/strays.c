@@ -56,7 +56,11 @@
 #define ISLAND 12
 #define IN_COMMON 2 /* of stray_step.alone: far off, but on such a plane */
 
-/* More strays than one in so many, of all calls together, are none: the cloud is that sparse. */
+/* Strays that hang together hide each other: with those that were found gone, more are alone. Each
+ * time there are fewer. */
+#define ROUNDS 8
+
+/* More strays than one in so many, of all rounds together, are none: the cloud is that sparse. */
 #define MOST 5
 
 #define FOUND_ALONE 2 /* of gw_stray_marks.far */
@@ -79,14 +83,18 @@ typedef struct stray_step {
 	double scale; /* a power of two */
 	gw_neighbour_index *index;
 	atomic_bool failed; /* the search */
-	int *found;         /* SEARCHED * candidate_count, places in thin */
+	int *found; /* SEARCHED * candidate_count, places in thin; the first is -1 until they are
+				   searched for */
 	float *squared;
 	uint32_t *candidate_of; /* thin_count, 1 + place in candidate, 0: none */
+	uint8_t *gone;          /* thin_count: strays that were found in earlier rounds */
 	double *plane;          /* 4 * candidate_count: normal and half thickness; 0: is on none */
 	uint8_t *asked;         /* candidate_count: its plane is */
-	uint8_t *alone;         /* candidate_count */
-	uint8_t *far;           /* surfels->count: which are, or were when they were first looked at */
-	bool again;             /* they were */
+	uint8_t *alone;         /* candidate_count: it is, as this round has it */
+	uint8_t *far;           /* candidate_count: which were when they were first looked at */
+	uint8_t *stray;         /* surfels->count: what was found */
+	size_t strays;
+	bool again; /* a round after the first, which found out what is far */
 } stray_step;
 
 /* ----------------------------------------------------------------------------------- by number */
@@ -231,18 +239,7 @@ static float *scaled_positions(const stray_step *step, const uint32_t *surfel, s
 	return scaled;
 }
 
-static void search_some(void *user, size_t first, size_t last, uint32_t worker)
-{
-	stray_step *step = user;
-	(void)worker;
-	if (!atomic_load(&step->failed) &&
-		!gw_neighbour_index_search(step->index, step->query + 3 * first, last - first, SEARCHED,
-								   step->found + SEARCHED * first,
-								   step->squared + SEARCHED * first))
-		atomic_store(&step->failed, true);
-}
-
-static bool search(stray_step *step)
+static bool build_index(stray_step *step)
 {
 	step->scale = gw_unit_scale(step->surfels);
 	size_t n = step->candidate_count;
@@ -250,12 +247,64 @@ static bool search(stray_step *step)
 	float *scaled = scaled_positions(step, step->thin, step->thin_count);
 	step->found = gw_allocate_array(n, SEARCHED * sizeof *step->found);
 	step->squared = gw_allocate_array(n, SEARCHED * sizeof *step->squared);
+	step->gone = gw_allocate_zeros(step->thin_count, sizeof *step->gone);
 	if (scaled)
 		step->index = gw_neighbour_index_build(scaled, step->thin_count, step->threads);
 	free(scaled);
-	atomic_store(&step->failed, !step->index || !step->query || !step->found || !step->squared);
-	gw_parallel_for(step->threads, n, CHUNK, search_some, step);
-	return !atomic_load(&step->failed);
+	if (!step->index || !step->query || !step->found || !step->squared || !step->gone)
+		return false;
+	memset(step->found, 0xff, SEARCHED * n * sizeof *step->found);
+	gw_neighbour_index_leave_out(step->index, step->gone);
+	return true;
+}
+
+static void search(stray_step *step, size_t first, size_t count)
+{
+	if (!atomic_load(&step->failed) &&
+		!gw_neighbour_index_search(step->index, step->query + 3 * first, count, SEARCHED,
+								   step->found + SEARCHED * first,
+								   step->squared + SEARCHED * first))
+		atomic_store(&step->failed, true);
+}
+
+static void search_all(void *user, size_t first, size_t last, uint32_t worker)
+{
+	(void)worker;
+	search(user, first, last - first);
+}
+
+/* Searches for the neighbours of a candidate, if they are not known or one of them is gone. */
+static void renew(stray_step *step, size_t candidate)
+{
+	const int *place = step->found + SEARCHED * candidate;
+	bool known = place[0] >= 0;
+	for (int j = 0; known && j < SEARCHED; j++)
+		known = !step->gone[place[j]];
+	if (!known)
+		search(step, candidate, 1);
+}
+
+static bool is_gone(const stray_step *step, size_t candidate)
+{
+	return step->stray[step->candidate[candidate]] > 0;
+}
+
+static void renew_far(void *user, size_t first, size_t last, uint32_t worker)
+{
+	stray_step *step = user;
+	(void)worker;
+	for (size_t i = first; i < last; i++)
+		if (step->far[i] && !is_gone(step, i))
+			renew(step, i);
+}
+
+static void renew_asked(void *user, size_t first, size_t last, uint32_t worker)
+{
+	stray_step *step = user;
+	(void)worker;
+	for (size_t i = first; i < last; i++)
+		if (step->asked[i] && !is_gone(step, i))
+			renew(step, i);
 }
 
 /* The neighbours of a candidate relative to it, metres. */
@@ -503,8 +552,8 @@ static void judge_far_off(void *user, size_t first, size_t last, uint32_t worker
 	gw_stray_spacing found = { .known = false };
 	(void)worker;
 	for (size_t i = first; i < last; i++) {
-		uint8_t *far = step->far + step->candidate[i];
-		if (step->again && !*far)
+		uint8_t *far = step->far + i;
+		if (step->again && (!*far || is_gone(step, i)))
 			continue;
 		double reach = sqrt((double)step->squared[SEARCHED * i + REACHED]) / step->scale;
 		double usual = gw_stray_cells_spacing(&step->cells, step->cell[i], LOOK * reach, &found);
@@ -619,20 +668,64 @@ static bool judge_islands(stray_step *step)
 	return good;
 }
 
-/* Finds those alone among the candidates. */
+/* Finds those alone among the candidates that are not gone. */
 static bool judge(stray_step *step)
 {
 	size_t n = step->candidate_count;
-	step->plane = gw_allocate_zeros(n, 4 * sizeof *step->plane);
-	step->asked = gw_allocate_zeros(n, sizeof *step->asked);
-	step->alone = gw_allocate_zeros(n, sizeof *step->alone);
-	if (!step->plane || !step->asked || !step->alone || !search(step))
+	memset(step->plane, 0, 4 * n * sizeof *step->plane);
+	memset(step->asked, 0, n);
+	memset(step->alone, 0, n);
+	gw_parallel_for(step->threads, n, CHUNK, step->again ? renew_far : search_all, step);
+	if (atomic_load(&step->failed))
 		return false;
 	gw_parallel_for(step->threads, n, CHUNK, judge_far_off, step);
 	ask_for_planes(step);
+	if (step->again)
+		gw_parallel_for(step->threads, n, CHUNK, renew_asked, step);
+	if (atomic_load(&step->failed))
+		return false;
 	gw_parallel_for(step->threads, n, CHUNK, find_planes, step);
 	gw_parallel_for(step->threads, n, CHUNK, judge_planes, step);
 	return judge_islands(step);
+}
+
+/* Those that are alone are strays, and gone; returns how many. */
+static size_t take_out(stray_step *step)
+{
+	size_t found = 0;
+	for (size_t place = 0; place < step->thin_count; place++) {
+		uint32_t candidate = step->candidate_of[place];
+		if (candidate == 0 || !step->alone[candidate - 1])
+			continue;
+		step->gone[place] = 1;
+		step->stray[step->candidate[candidate - 1]] = 1;
+		found++;
+	}
+
+	step->strays += found;
+	return found;
+}
+
+/* Without those that were taken out others are alone that were in a plane with them, but none that
+ * lay far off nothing at first: or the outermost leaves of trees would go, one layer after the
+ * other. */
+static bool judge_often(stray_step *step)
+{
+	size_t n = step->candidate_count, found = 1;
+	step->plane = gw_allocate_array(n, 4 * sizeof *step->plane);
+	step->asked = gw_allocate_array(n, sizeof *step->asked);
+	step->alone = gw_allocate_array(n, sizeof *step->alone);
+	if (!step->plane || !step->asked || !step->alone || !build_index(step))
+		return false;
+	for (int round = 0; round < ROUNDS && found > 0; round++) {
+		if (step->thin_count - step->strays <= SEARCHED)
+			break;
+		if (!judge(step))
+			return false;
+		found = take_out(step);
+		step->again = true;
+	}
+	return true;
 }
 
 static void take_marks_back(size_t points, gw_stray_marks *marks)
@@ -645,49 +738,54 @@ static void take_marks_back(size_t points, gw_stray_marks *marks)
 		}
 }
 
-static void mark_points(const stray_step *step, const gw_points *points, uint8_t *stray,
-						gw_stray_marks *marks)
+static void mark_points(const stray_step *step, const gw_points *points, gw_stray_marks *marks)
 {
 	const gw_surfels *s = step->surfels;
-	size_t strays = 0;
-	for (size_t i = 0; i < step->candidate_count; i++) {
-		stray[step->candidate[i]] = step->alone[i];
-		strays += step->alone[i];
-	}
-	marks->alone += strays;
+	marks->alone += step->strays;
 	if (marks->alone > marks->surfels / MOST) {
 		take_marks_back(s->point_count, marks);
 		return;
 	}
-	for (size_t i = 0; strays > 0 && i < s->point_count; i++)
-		if (s->surfel_of_point[i] != UINT32_MAX && stray[s->surfel_of_point[i]]) {
+	for (size_t i = 0; step->strays > 0 && i < s->point_count; i++)
+		if (s->surfel_of_point[i] != UINT32_MAX && step->stray[s->surfel_of_point[i]]) {
 			set_mark(marks, i, kind_of(points->position + 3 * i, GW_STRAY_ALONE));
 			marks->far[i] = FOUND_ALONE;
 		}
 }
 
-/* Takes over which points lay far off when they were first looked at. */
-static void recall_far(const gw_stray_marks *marks, stray_step *step)
+/* Takes over which points lay far off when they were first looked at, if they were. */
+static bool recall_far(const gw_stray_marks *marks, stray_step *step)
 {
 	const gw_surfels *s = step->surfels;
-	step->again = marks->far;
-	for (size_t i = 0; step->again && i < s->point_count; i++)
+	step->far = gw_allocate_zeros(step->candidate_count, 1);
+	uint8_t *far = marks->far ? gw_allocate_zeros(s->count, 1) : NULL;
+	step->again = far != NULL;
+	for (size_t i = 0; far && i < s->point_count; i++)
 		if (marks->far[i] && s->surfel_of_point[i] != UINT32_MAX)
-			step->far[s->surfel_of_point[i]] = 1;
+			far[s->surfel_of_point[i]] = 1;
+	for (size_t i = 0; far && step->far && i < step->candidate_count; i++)
+		step->far[i] = far[step->candidate[i]];
+	free(far);
+	return step->far && (step->again || !marks->far);
 }
 
 /* False when memory is short. */
 static bool keep_far(const stray_step *step, gw_stray_marks *marks)
 {
 	const gw_surfels *s = step->surfels;
-	if (step->again)
+	if (marks->far)
 		return true;
+	uint8_t *far = gw_allocate_zeros(s->count, 1);
 	marks->surfels = s->count;
 	marks->far = gw_allocate_zeros(s->point_count, 1);
-	for (size_t i = 0; marks->far && i < s->point_count; i++)
+	for (size_t i = 0; far && i < step->candidate_count; i++)
+		far[step->candidate[i]] = step->far[i];
+	for (size_t i = 0; far && marks->far && i < s->point_count; i++)
 		if (s->surfel_of_point[i] != UINT32_MAX)
-			marks->far[i] = step->far[s->surfel_of_point[i]];
-	return marks->far;
+			marks->far[i] = far[s->surfel_of_point[i]];
+	bool kept = far && marks->far;
+	free(far);
+	return kept;
 }
 
 void gw_strays_clear(gw_stray_marks *marks)
@@ -697,27 +795,31 @@ void gw_strays_clear(gw_stray_marks *marks)
 	*marks = (gw_stray_marks){ .count = 0 };
 }
 
+static bool find_strays(stray_step *step, const gw_points *points, gw_stray_marks *marks)
+{
+	const gw_surfels *s = step->surfels;
+	step->stray = gw_allocate_zeros(s->count, 1);
+	if (!step->stray || !gw_stray_cells_make(s, FEW_AROUND, step->threads, &step->cells) ||
+		!take_candidates(step) || !recall_far(marks, step))
+		return false;
+	bool enough = step->candidate_count > 0 && step->thin_count > SEARCHED;
+	if ((enough && !judge_often(step)) || !keep_far(step, marks))
+		return false;
+	mark_points(step, points, marks);
+	return true;
+}
+
 gw_status gw_strays_mark_alone(const gw_points *points, const gw_surfels_options *options,
 							   const gw_surfels *surfels, gw_stray_marks *marks, gw_error *error)
 {
 	stray_step step = { .surfels = surfels, .threads = options->threads };
 	if (points->keep_strays || marks->sparse || surfels->count < CLOUD_LEAST)
 		return GW_OK;
-	uint8_t *stray = gw_allocate_zeros(surfels->count, 1);
-	step.far = gw_allocate_zeros(surfels->count, 1);
-	if (step.far)
-		recall_far(marks, &step);
-	bool good = stray && step.far &&
-				gw_stray_cells_make(surfels, FEW_AROUND, step.threads, &step.cells) &&
-				take_candidates(&step);
-	bool enough = step.candidate_count > 0 && step.thin_count > SEARCHED;
-	good = good && (!enough || judge(&step)) && keep_far(&step, marks);
-	if (good && enough)
-		mark_points(&step, points, stray, marks);
+	bool good = find_strays(&step, points, marks);
 	gw_neighbour_index_free(step.index);
-	void *owned[] = { step.sparse,       step.thin,  step.candidate, step.cell,  step.query,
-					  step.found,        step.plane, step.asked,     step.alone, step.squared,
-					  step.candidate_of, stray,      step.far };
+	void *owned[] = { step.sparse, step.thin,  step.candidate, step.cell,        step.query,
+					  step.found,  step.plane, step.asked,     step.alone,       step.squared,
+					  step.gone,   step.stray, step.far,       step.candidate_of };
 	for (size_t i = 0; i < sizeof owned / sizeof *owned; i++)
 		free(owned[i]);
 	gw_stray_cells_clear(&step.cells);

@@ -34,10 +34,11 @@ void gw_strays_clear(gw_stray_marks *marks);
 /*
  * Marks those of the surfels' points that lie alone: many times further from others than those
  * around are from each other, and not on a surface that is merely sparse there, which is one where
- * enough of the nearest lie in a common plane. Called again without those that were marked, it
- * finds strays that were in a plane with them, but none that lay far off nothing at first: or the
- * outermost leaves of trees would go, one layer after the other. When all calls together have found
- * too many, the marks of all of them are taken back, and further calls find none.
+ * enough of the nearest lie in a common plane. Without them those are alone that were in a plane
+ * with them, and are marked as well, but none that lay far off nothing at first: or the outermost
+ * leaves of trees would go, one layer after the other. So it is in further calls, without those
+ * that were marked, which see the rest by other cells. When all calls together have found too many,
+ * the marks of all of them are taken back, and further calls find none.
  *   surfels  of the points that are not marked yet, with what gw_frame_make fills
  *   marks    far is made by the first call
  * Fails with GW_ERROR_MEMORY.

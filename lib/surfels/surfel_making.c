@@ -128,8 +128,7 @@ static gw_status go_on(const gw_surfels_options *options, gw_error *error)
 			   : GW_OK;
 }
 
-/* Strays that hang together hide each other: with those that were found gone, more are alone. Each
- * time there are fewer. */
+/* The rest is looked at by other cells; each time there are fewer strays. */
 #define STRAY_ROUNDS 8
 
 /* The frame is made anew when strays are found in it, so that they have no part in it. */

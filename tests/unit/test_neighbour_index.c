@@ -126,18 +126,22 @@ static int nearer(const void *a, const void *b)
 }
 
 /* Of points that are equally far those of the lowest numbers count, in whichever tree. */
-static void assert_finds(const float *places, size_t k, uint32_t threads)
+static void assert_finds(const float *places, const uint8_t *gone, size_t k, uint32_t threads)
 {
 	gw_neighbour_index *index = gw_neighbour_index_build(places, POINTS, threads);
 	candidate *all = gw_allocate_array(POINTS, sizeof *all);
 	float query[3], squared[MANY];
 	int found[MANY];
 	assert_true(index && all);
+	if (gone)
+		gw_neighbour_index_leave_out(index, gone);
 	for (uint32_t q = 0; q < QUERIES; q++) {
 		place(POINTS + q, q % 2 ? 7 + 9 * (q % 4 / 2) : 100000, query);
 		query[0] += q % 5 == 0 ? 1.0f : 0.0f; /* some are beside all points */
 		for (int i = 0; i < POINTS; i++)
-			all[i] = (candidate){ squared_distance(query, places + 3 * (size_t)i), i };
+			all[i] = (candidate){ gone && gone[i] ? INFINITY
+												  : squared_distance(query, places + 3 * (size_t)i),
+								  i };
 		qsort(all, POINTS, sizeof *all, nearer);
 		assert_true(gw_neighbour_index_search(index, query, 1, k, found, squared));
 		for (size_t j = 0; j < k; j++) {
@@ -156,11 +160,26 @@ static void neighbours_are_those_of_brute_force(void **state)
 	const uint32_t steps[] = { 100000, 16, 7 };
 	for (size_t i = 0; i < sizeof steps / sizeof *steps; i++) {
 		float *places = make_places(steps[i]);
-		assert_finds(places, FEW, 1);
-		assert_finds(places, FEW, 4);
-		assert_finds(places, MANY, 4);
+		assert_finds(places, NULL, FEW, 1);
+		assert_finds(places, NULL, FEW, 4);
+		assert_finds(places, NULL, MANY, 4);
 		free(places);
 	}
+}
+
+/* Half of the points, by chance, as if they were not there. */
+static void what_is_left_out_is_not_found(void **state)
+{
+	(void)state;
+	float *places = make_places(16);
+	uint8_t *gone = gw_allocate_array(POINTS, sizeof *gone);
+	assert_non_null(gone);
+	for (uint32_t i = 0; i < POINTS; i++)
+		gone[i] = number(9, i) % 2;
+	assert_finds(places, gone, FEW, 4);
+	assert_finds(places, gone, MANY, 4);
+	free(gone);
+	free(places);
 }
 
 static void what_is_not_finite_is_refused(void **state)
@@ -184,6 +203,7 @@ int main(void)
 		cmocka_unit_test(keys_are_sorted_and_equal_ones_stay_in_order),
 		cmocka_unit_test(keys_are_sorted_by_the_bits_asked_for),
 		cmocka_unit_test(neighbours_are_those_of_brute_force),
+		cmocka_unit_test(what_is_left_out_is_not_found),
 		cmocka_unit_test(what_is_not_finite_is_refused),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
