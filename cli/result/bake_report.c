@@ -831,8 +831,8 @@ static void price_text(const bake_facts *f, char *text, size_t room)
 	put_parts(r, text, room);
 }
 
-/* Points that are lit from both sides are not asked how wrong that is: it is told where there are
- * no others. */
+/* Points that are lit from both sides at once are not asked how wrong that is: it is told where
+ * there are no others. */
 static void tell_unknown_error(const gw_report *r)
 {
 	for (uint32_t i = 0; i < r->count_count; i++)

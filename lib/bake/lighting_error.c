@@ -4,8 +4,11 @@
 #include "bake/lighting_error.h"
 
 #include "bake/scene_records.h"
+#include "base/memory.h"
 #include "estimate/error_estimate.h"
 #include "estimate/gap_error.h"
+
+#include <stdlib.h>
 
 /* Rays that light comes along to what an estimate is held against. */
 static uint32_t rays_of(const gw_bake_options *o)
@@ -53,7 +56,29 @@ static gw_status find_gap_error(gw_lighting *lighting, const gw_estimate_task *e
 	return gw_gap_error(&task, &s->report->gaps, &s->report->error, error);
 }
 
-gw_status gw_lighting_estimate(gw_lighting *lighting, gw_error *error)
+/* The surfels whose light is asked for: of surface that may face either way those of the side that
+ * is shown.
+ *   asked   receives them, one a surfel, or NULL: all
+ *   own     receives the same for free(), or NULL where they are the region's */
+static gw_status list_asked(gw_lighting *lighting, const bool **asked, bool **own, gw_error *error)
+{
+	const gw_scene *s = lighting->scene;
+	*asked = s->region.asked;
+	*own = NULL;
+	GW_TRY(gw_lighting_choose_sides(lighting, error));
+	if (!lighting->shown)
+		return GW_OK;
+	*asked = *own = gw_allocate_zeros(s->surfels.count, sizeof **own);
+	if (!*own)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the sides of %zu points",
+					   s->surfels.count);
+	for (size_t i = 0; i < s->surfels.count; i++)
+		if (s->surfels.two_sided[i] != GW_SIDE_BACK)
+			(*own)[lighting->shown[i]] = !s->region.asked || s->region.asked[i];
+	return GW_OK;
+}
+
+static gw_status estimate(gw_lighting *lighting, const bool *asked, gw_error *error)
 {
 	gw_scene *s = lighting->scene;
 	const gw_bake_options *o = &s->options;
@@ -90,7 +115,7 @@ gw_status gw_lighting_estimate(gw_lighting *lighting, gw_error *error)
 			.options = o,
 			.limit = lighting->plan.bounces ? lighting->plan.limit : 1,
 			.remaining = s->report->remaining,
-			.asked = s->region.asked,
+			.asked = asked,
 			.seen = s->space.scanners > 0 || s->surfels.seen_from_above,
 			.closed = gw_scene_closed_space(s),
 			.hits = &s->check_points,
@@ -103,5 +128,16 @@ gw_status gw_lighting_estimate(gw_lighting *lighting, gw_error *error)
 	gw_check_discs_close(&discs);
 	gw_view_close(&turned);
 	gw_view_close(&direct);
+	return status;
+}
+
+gw_status gw_lighting_estimate(gw_lighting *lighting, gw_error *error)
+{
+	const bool *asked;
+	bool *own;
+	gw_status status = list_asked(lighting, &asked, &own, error);
+	if (status == GW_OK)
+		status = estimate(lighting, asked, error);
+	free(own);
 	return status;
 }

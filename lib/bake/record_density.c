@@ -80,14 +80,14 @@ double gw_density_factors(const double *mass, const float *most, size_t count,
 /* --------------------------------------------------------------------------------------- mass */
 
 /* Every surfel's variance of radiance to the records that speak for it. Those that emit outshine
- * theirs, and of those lit from both sides the estimate knows nothing either. */
+ * theirs, and of those lit from both sides at once the estimate knows nothing either. */
 static void spread_mass(const gw_scene *s, density_work *w)
 {
 	const gw_surfels *surfels = &s->surfels;
 	const gw_read_back *rows = &s->read_back;
 	for (size_t i = 0; i < surfels->count; i++) {
 		const float *emission = surfels->emission ? surfels->emission + 3 * i : NULL;
-		if (surfels->two_sided[i] || (s->region.asked && !s->region.asked[i]) ||
+		if (!gw_surfels_one_sided(surfels, i) || (s->region.asked && !s->region.asked[i]) ||
 			(emission && gw_luminance(emission) > 0.0))
 			continue;
 		double rho = gw_luminance(surfels->albedo + 3 * i);

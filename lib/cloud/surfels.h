@@ -28,6 +28,14 @@ static inline bool gw_surfels_alike(const gw_surfels *s, size_t i, size_t j)
 	return n[0] * m[0] + n[1] * m[1] + n[2] * m[2] > GW_SMOOTH_LEAST;
 }
 
+/* Is a surfel lit from the side alone that it faces? Of surface that may face either way each side
+ * is, where the backs have surfels; what else nobody knows the side of is lit from both at once. */
+static inline bool gw_surfels_one_sided(const gw_surfels *s, size_t i)
+{
+	uint8_t side = s->two_sided[i];
+	return side == 0 || side == GW_SIDE_UNCLEAR || side == GW_SIDE_BACK;
+}
+
 /* So many surfels after one in Morton order hold enough of those that adjoin it for a mean over
  * them.
  */

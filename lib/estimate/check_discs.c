@@ -120,6 +120,17 @@ static bool sticks_out(const walk *w, size_t surfel, gw_vec3 from, float t)
 	return w->ray->both_sides && t < w->ray->own && gw_dot(from, from) < radius * radius;
 }
 
+/* Of surface that may face either way each side is a disc, at the same place. Is this the one that
+ * the ray does not get to, since it shows its back, or is the other side of what the ray leaves?
+ *   own   it is of the surface that the ray leaves */
+static bool is_other_side(const walk *w, size_t surfel, gw_vec3 normal, bool own)
+{
+	const gw_surfels *s = w->discs->surfels;
+	return s->two_sided[surfel] && gw_surfels_one_sided(s, surfel) &&
+		   (gw_dot(normal, w->ray->direction) > 0.0f ||
+			(own && gw_dot(normal, w->ray->facing) < 0.0f));
+}
+
 static void hit_disc(uint32_t surfel, walk *w)
 {
 	const gw_check_ray *ray = w->ray;
@@ -138,7 +149,8 @@ static void hit_disc(uint32_t surfel, walk *w)
 	float transparency = transparency_of(w->discs, surfel);
 	bool own = t < ray->own && fabsf(gw_dot(normal, ray->facing)) > ALIKE;
 	bool other = transparency > 0.0f && -height >= spacing_of(w->discs, surfel);
-	if (squared > large_radius * large_radius || (own && approach > 0.0f && !other))
+	if (squared > large_radius * large_radius || (own && approach > 0.0f && !other) ||
+		is_other_side(w, surfel, normal, own))
 		return;
 	bool small = !(approach > 0.0f && !other && sticks_out(w, surfel, from, t)) &&
 				 squared <= (ray->whole ? small_squared / (SMALL * SMALL) : small_squared) &&

@@ -83,15 +83,16 @@ static bool emits(const gw_surfels *surfels, size_t i)
 }
 
 /* Points whose error counts: emitters outshine theirs, so they do not unless there is nothing else;
- * and of points that are lit from both sides it is not known which side a gather is to look from.
- */
+ * and of points that are lit from both sides at once it is not known which side a gather is to look
+ * from. */
 static void choose_points(const gw_surfels *surfels, const bool *asked, bool *counts)
 {
 	size_t dark = 0;
 	for (size_t i = 0; i < surfels->count; i++)
-		dark += counts[i] = !surfels->two_sided[i] && !emits(surfels, i) && (!asked || asked[i]);
+		dark += counts[i] =
+			gw_surfels_one_sided(surfels, i) && !emits(surfels, i) && (!asked || asked[i]);
 	for (size_t i = 0; i < surfels->count && dark == 0; i++)
-		counts[i] = !surfels->two_sided[i] && (!asked || asked[i]);
+		counts[i] = gw_surfels_one_sided(surfels, i) && (!asked || asked[i]);
 }
 
 /* Radiance that a surfel reflects of an irradiance. */

@@ -188,23 +188,33 @@ static gw_status look_at(check *c, uint32_t step, gw_error *error)
 
 /* ------------------------------------------------------------------------------------- finding */
 
+static bool is_unknown(const check *c, size_t i)
+{
+	return c->task->surfels->two_sided[c->choice.point[i]];
+}
+
 /* Rays from the front of a point that leave the scene, as far as its back sees nothing: that the
  * point lies in the open and faces what is open fits. Where the back sees surface, the front of a
  * room's wall that was turned leaves the scene, too. Where normals were given, nobody looked for
- * the open side. */
-static double open_rays(const check *c, const side of[2])
+ * the open side; and where each side is lit by itself, the one that is shown is no more the front
+ * than the other: what leaves says as much for either. */
+static double open_rays(const check *c, size_t i)
 {
-	if (c->task->surfels->normals_given == c->task->surfels->count)
+	const gw_surfels *s = c->task->surfels;
+	const side *of = c->found[i];
+	bool either = is_unknown(c, i) && gw_surfels_one_sided(s, c->choice.point[i]);
+	if (either || s->normals_given == s->count)
 		return 0.0;
 	double met = (double)(of[1].fits + of[1].differs) / RAYS;
 	return (1.0 - met) * of[0].leaves;
 }
 
 /* Share of the rays that differ, of one point. */
-static double differing(const check *c, const side of[2])
+static double differing(const check *c, size_t i)
 {
+	const side *of = c->found[i];
 	double differs = of[0].differs + of[1].differs;
-	double all = differs + of[0].fits + of[1].fits + open_rays(c, of);
+	double all = differs + of[0].fits + of[1].fits + open_rays(c, i);
 	return all > 0.0 ? differs / all : 0.5;
 }
 
@@ -215,7 +225,7 @@ static double share_differing(const check *c)
 		const side *of = c->found[i];
 		double opposite = of[0].differs + of[1].differs;
 		differs += c->choice.weight[i] * opposite;
-		all += c->choice.weight[i] * (opposite + of[0].fits + of[1].fits + open_rays(c, of));
+		all += c->choice.weight[i] * (opposite + of[0].fits + of[1].fits + open_rays(c, i));
 	}
 	return all > 0.0 ? differs / all : 0.0;
 }
@@ -240,11 +250,13 @@ static double share_wrong(double differing)
 /* That a point faces the wrong way: a ray of it differs with probability w where it does not, and
  * with 1 - w where it does. Before any ray, w of the points do, and half of those whose side nobody
  * knows. */
-static double probability(const check *c, const side of[2], bool unknown, double w)
+static double probability(const check *c, size_t i, double w)
 {
+	const side *of = c->found[i];
+	bool unknown = is_unknown(c, i);
 	double odds = log(w / (1.0 - w));
-	double rays = of[0].fits + of[1].fits + of[0].differs + of[1].differs + open_rays(c, of);
-	double says = fmin(rays, OWN_OPINIONS) * (1.0 - 2.0 * differing(c, of)) * odds;
+	double rays = of[0].fits + of[1].fits + of[0].differs + of[1].differs + open_rays(c, i);
+	double says = fmin(rays, OWN_OPINIONS) * (1.0 - 2.0 * differing(c, i)) * odds;
 	if (c->task->seen && !unknown)
 		says = fmin(says, SEEN_ODDS) - SEEN_ODDS;
 	return 1.0 / (1.0 + exp(-says - (unknown ? 0.0 : odds)));
@@ -270,11 +282,6 @@ static void list_unknown(check *c, size_t i, double p)
 	miss(&of[1], written, off[1]);
 	c->value[0][i] = (1.0 - p) * (front - written) + p * (back - written);
 	c->value[1][i] = (1.0 - p) * off[0][0] * off[0][1] + p * off[1][0] * off[1][1];
-}
-
-static bool is_unknown(const check *c, size_t i)
-{
-	return c->task->surfels->two_sided[c->choice.point[i]];
 }
 
 /* What each point is off by, and its square without noise, on average; returns the share of points
@@ -307,7 +314,7 @@ static void add_to_component(const check *c, size_t i, component_rays *to)
 {
 	const side *of = c->found[i];
 	double weight = c->choice.weight[i], opposite = of[0].differs + of[1].differs;
-	to->all += weight * (opposite + of[0].fits + of[1].fits + open_rays(c, of));
+	to->all += weight * (opposite + of[0].fits + of[1].fits + open_rays(c, i));
 	to->differs += weight * opposite;
 	to->wrong += weight * c->wrong[i];
 	to->points += weight;
@@ -355,7 +362,7 @@ static gw_status find_wrong(check *c, gw_error *error)
 {
 	double w = share_wrong(share_differing(c)), wrong = 0.0;
 	for (size_t i = 0; i < c->choice.count; i++) {
-		c->wrong[i] = probability(c, c->found[i], is_unknown(c, i), w);
+		c->wrong[i] = probability(c, i, w);
 		wrong += is_unknown(c, i) ? 0.0 : c->choice.weight[i] * c->wrong[i];
 	}
 	return wrong > WRONG_LEAST ? ask_components(c, w, error) : GW_OK;

@@ -63,10 +63,11 @@ glowworm bake shadow.json -f -o shadow.ply --bounces 1 --report report.json 2>&1
 awk -F'[:,}]' '/^ "price"/ { print ($3 > 0 && $5 > 0 ? "a price" : "none") }' report.json
 glowworm bake box.ply -q -f -o lit.ply 2>&1 | short
 glowworm bake box.ply -f -o lit.ply --estimate-points 0 2>&1 | short
-# Where all normals are in doubt no point is solved again: a smaller error that is told is no target
-# reached, and none that is missed either.
-make_cave --points 1000 | glowworm bake - -q -f -o lit.ply --rays 8 --normals estimate \
-	--light 'sky radiance 1' --max-error 0.9 2>&1 | sed 's/of it is [0-9.]* %;.*/of it is N %/'
+# Of a row of points, which have no sides, none is solved again: a smaller error that is told is no
+# target reached, and none that is missed either.
+awk 'BEGIN { for (i = 0; i < 600; i++) print i, 0, 0 }' |
+	glowworm bake - -q -f -o lit.ply --rays 8 --light 'sky radiance 1' --max-error 0.9 2>&1 |
+	sed 's/of it is [0-9.]* %/of it is N %/'
 bake --max-error 0.1 --estimate-points 0 -o none.ply
 bake --max-error 5 -o none.ply
 ls

@@ -21,7 +21,7 @@ awk 'BEGIN {
 sed '/scanner/d' rough.ply >unsaid.ply
 for scan in rough unsaid; do
 	glowworm bake $scan.ply --light 'point at 1,0,2 intensity 20' -o rough-lit.ply --force 2>notes
-	grep -c 'in doubt because a bake of half' notes
+	grep -c 'above all: the light is .* in doubt because' notes
 	grep -o 'scanner X,Y,Z, where one stood' notes | uniq
 done
 # Comments do not tell of 65 scanners, E57 does: a note says what is lost, by every verb that writes
