@@ -34,13 +34,14 @@ bool is_cut_off(int surfel, vec3 normal, vec3 off, vec4 size)
 	return max(dot(size.zw, p) - clip.x, dot(clip.yz, p) - clip.w) > GW_DISC_OVERLAP;
 }
 
-/* Near its start a ray does not meet discs of the surface that it leaves: those that hardly rise
- * over it, and of a surface across it those that the start does not lie in front of either. */
+/* Near its start a ray does not meet discs of the surface that it leaves, nor of that one's other
+ * side: those that hardly rise over it, and of a surface across it those that the start does not
+ * lie in front of either. */
 bool is_of_start(IN(Ray) ray, vec3 place, vec3 normal, float height)
 {
 	float alike = dot(normal, ray.facing), rise = dot(ray.facing, place - ray.foot);
-	if (alike > GW_LIKE_COSINE)
-		return rise < GW_NEAR_HEIGHT * alike;
+	if (abs(alike) > GW_LIKE_COSINE)
+		return rise < GW_NEAR_HEIGHT * abs(alike);
 	return rise < GW_NEAR_HEIGHT * GW_LIKE_LEAST && height < GW_NEAR_HEIGHT;
 }
 

@@ -95,12 +95,14 @@ bool holds(IN(Ray) ray, IN(Stretch) stretch, bool covered, uint facet, float t)
 						 texelFetch(facet_centre, int(facet)).xyz);
 }
 
-/* Does a facet rise over the surface that the ray leaves? */
-bool rises_over_start(IN(Ray) ray, IN(Passage) own, float like_least)
+/* Does a facet rise over the surface that the ray leaves? Noise and bends lift a little what is
+ * like that surface, or like its other side.
+ *   like   cosine between their normals, as far as it counts */
+bool rises_over_start(IN(Ray) ray, IN(Passage) own, float like)
 {
 	vec3 middle = texelFetch(facet_centre, int(own.facet)).xyz;
 	float height = dot(ray.facing, middle) - dot(ray.facing, ray.foot);
-	return height >= GW_NEAR_HEIGHT * max(like_least, GW_LIKE_LEAST);
+	return height >= GW_NEAR_HEIGHT * max(abs(like), GW_LIKE_LEAST);
 }
 
 /* How far a plane reaches beyond its cell, for a ray that comes so fast nearer to its front. */
@@ -117,9 +119,9 @@ float plane_overlap_for(float approach)
  * Near its start a ray meets the surface it leaves: planes bent by noise, and at convex edges
  * planes that stick out of their cells' surface. So within GW_NEAR cells a plane counts only if its
  * facet's centre lies above the tangent plane of that surface, and only its front side, or the back
- * of another sheet that lets light through. A plane that is not like that surface, as the wall at
- * whose foot it ends, is not one of its own: there GW_NEAR_HEIGHT is less, since the floor may
- * leave but a strip of the wall in its cell.
+ * of another sheet that lets light through. A plane that is like neither side of that surface, as
+ * the wall at whose foot it ends, is not one of its own: there GW_NEAR_HEIGHT is less, since the
+ * floor may leave but a strip of the wall in its cell.
  *
  * Seen from in front a plane may reach far beyond its cell, since what lies behind the surface is
  * dark anyway; seen from behind it would stick out over convex edges and shadow them.
@@ -163,7 +165,7 @@ bool came_through(IN(Ray) ray, IN(Stretch) stretch, IN(Passage) own, IN(Passage)
 		return false;
 	if (stretch.enter < GW_NEAR)
 		return !like && height >= -GW_NOISE_DEPTH && own.approach < 0.0f &&
-			   rises_over_start(ray, own, 0.0f) &&
+			   rises_over_start(ray, own, min(dot(own.normal, ray.facing), 0.0f)) &&
 			   is_along_crease(owner_of(own.facet), ray.facing, ray.origin);
 	return like && last.facet != GW_NONE && stretch.enter - last.leave <= GW_GAP_MOST &&
 		   height_over(last, last.leave) >= 0.0f;
