@@ -9,6 +9,9 @@
 /* Bytes that nothing describes become a column each, up to this number. */
 #define UNKNOWN_BYTES 64
 
+/* The longest name that a number has room behind. */
+#define NAME_MOST (LAS_COLUMN_NAME - 16)
+
 size_t las_kind_size(las_kind kind)
 {
 	static const size_t size[LAS_KIND_COUNT] = {
@@ -220,12 +223,12 @@ static const las_field *find(const las_layout *layout, const char *name)
 /* Gives a field its name, or one with a number behind it when that is taken. */
 static void name_field(const las_layout *layout, las_field *field, const char *name)
 {
-	snprintf(field->name, sizeof field->name, "%.40s", name);
+	snprintf(field->name, sizeof field->name, "%.*s", NAME_MOST, name);
 	const las_field *other = find(layout, field->name);
 	if (other && strlen(name) < sizeof field->standard)
 		memcpy(field->standard, name, strlen(name) + 1);
 	for (unsigned n = 2; find(layout, field->name); n++)
-		snprintf(field->name, sizeof field->name, "%.40s_%u", name, n);
+		snprintf(field->name, sizeof field->name, "%.*s_%u", NAME_MOST, name, n);
 }
 
 /* Names that other programs use, and ours. */
@@ -252,48 +255,80 @@ static void copy_name(char name[LAS_EXTRA_NAME + 1], const uint8_t *from)
 		memcpy(name, "extra", sizeof "extra");
 }
 
-/* One value of a description; those with several (types 11 to 30, deprecated) are numbered. */
-static gw_status add_value(las_layout *layout, const uint8_t *from, las_kind kind, size_t index,
-						   size_t values, gw_error *error)
+/* What is added to, and of which file. */
+typedef struct extras {
+	las_layout *layout;
+	const las_header *header;
+	scan *notes;
+	gw_error *error;
+} extras;
+
+/* The whole name of an extra value that the file has in its text record; false: none, as its own is
+ * whole, or another program left it out. */
+static bool find_whole_name(const las_vlr *text, const uint8_t *own, char name[LAS_COLUMN_NAME])
 {
-	char own[LAS_EXTRA_NAME + 1], name[LAS_EXTRA_NAME + 24];
+	const char *lines = (const char *)text->data;
+	size_t cut = strnlen((const char *)own, LAS_EXTRA_NAME), length = 0;
+	char start[sizeof LAS_COLUMN_LINE LAS_COLUMN_IS + LAS_EXTRA_NAME];
+	int size = snprintf(start, sizeof start, LAS_COLUMN_LINE "%.*s" LAS_COLUMN_IS, (int)cut,
+						(const char *)own);
+	size_t rest = lines ? strnlen(lines, text->length) : 0;
+	for (; rest > 0; lines += length, rest -= length) {
+		const char *end = memchr(lines, '\n', rest);
+		length = end ? (size_t)(end - lines) + 1 : rest;
+		if (length > (size_t)size && strncmp(lines, start, (size_t)size) == 0)
+			break;
+	}
+	size_t used = 0;
+	for (size_t i = (size_t)size; rest > 0 && i < length && lines[i] != '\n'; i++)
+		if (used < LAS_COLUMN_NAME - 1)
+			name[used++] = lines[i] >= ' ' && lines[i] <= '~' ? lines[i] : '_';
+	name[used] = '\0';
+	return used > 0;
+}
+
+/* One value of a description; those with several (types 11 to 30, deprecated) are numbered. */
+static gw_status add_value(const extras *x, const uint8_t *from, las_kind kind, size_t index,
+						   size_t values)
+{
+	char own[LAS_EXTRA_NAME + 1], name[LAS_COLUMN_NAME];
 	copy_name(own, from + 4);
-	if (values == 1)
-		snprintf(name, sizeof name, "%s", canonical(own));
-	else
+	if (values > 1)
 		snprintf(name, sizeof name, "%s_%zu", own, index);
-	las_field field = { .kind = kind, .place = layout->bytes, .scale = 1.0 };
+	else if (!find_whole_name(&x->header->text, from + 4, name))
+		snprintf(name, sizeof name, "%s", canonical(own));
+	las_field field = { .kind = kind, .place = x->layout->bytes, .scale = 1.0 };
 	uint8_t options = from[3];
 	if (options & 8)
 		field.scale = load_double(from + 112 + 8 * (index < 3 ? index : 0));
 	if (options & 16)
 		field.offset = load_double(from + 136 + 8 * (index < 3 ? index : 0));
 	field.scaled = field.scale != 1.0 || field.offset != 0.0;
-	name_field(layout, &field, name);
-	return las_layout_add(layout, &field, error);
+	name_field(x->layout, &field, name);
+	return las_layout_add(x->layout, &field, x->error);
 }
 
 /* Bytes without a type: each is a column, as long as there are few. */
-static gw_status add_bytes(las_layout *layout, const uint8_t *from, size_t count, scan *notes,
-						   gw_error *error)
+static gw_status add_bytes(const extras *x, const uint8_t *from, size_t count)
 {
 	static const uint8_t nameless[LAS_EXTRA_BYTES];
 	uint8_t plain[LAS_EXTRA_BYTES];
 	memcpy(plain, from ? from : nameless, sizeof plain);
 	plain[3] = 0;
 	if (count > UNKNOWN_BYTES) {
-		layout->bytes += count;
-		return las_note(notes, error, "%zu extra bytes of each point have no type and are left out",
-						count);
+		x->layout->bytes += count;
+		return las_note(x->notes, x->error,
+						"%zu extra bytes of each point have no type and are left out", count);
 	}
 	for (size_t i = 0; i < count; i++)
-		GW_TRY(add_value(layout, plain, LAS_UINT8, i, count, error));
+		GW_TRY(add_value(x, plain, LAS_UINT8, i, count));
 	return GW_OK;
 }
 
 gw_status las_layout_add_extra(las_layout *layout, const las_header *header, scan *notes,
 							   gw_error *error)
 {
+	const extras x = { layout, header, notes, error };
 	layout->bytes = las_format_bytes(header->format);
 	size_t described = header->extra.length / LAS_EXTRA_BYTES;
 	for (size_t d = 0; d < described; d++) {
@@ -310,12 +345,10 @@ gw_status las_layout_add_extra(las_layout *layout, const las_header *header, sca
 			break;
 		}
 		if (type == 0)
-			GW_TRY(add_bytes(layout, from, values, notes, error));
+			GW_TRY(add_bytes(&x, from, values));
 		for (size_t v = 0; type && v < values; v++)
-			GW_TRY(add_value(layout, from, kind, v, values, error));
+			GW_TRY(add_value(&x, from, kind, v, values));
 	}
 	size_t rest = header->record - layout->bytes;
-	if (rest > 0)
-		GW_TRY(add_bytes(layout, NULL, rest, notes, error));
-	return GW_OK;
+	return rest > 0 ? add_bytes(&x, NULL, rest) : GW_OK;
 }

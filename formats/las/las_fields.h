@@ -26,9 +26,10 @@ typedef enum las_kind {
 
 #define LAS_EXTRA_BYTES 192 /* length of the description of one extra value */
 #define LAS_EXTRA_NAME 32   /* of which this is for the name, without a zero if it is full */
+#define LAS_COLUMN_NAME 256 /* for that of a column, with a zero */
 
 typedef struct las_field {
-	char name[64]; /* of the column */
+	char name[LAS_COLUMN_NAME]; /* of the column */
 	las_kind kind;
 	size_t place;  /* byte in the record */
 	uint8_t shift; /* of a part of a byte: its lowest bit */

@@ -90,17 +90,37 @@ static void add_line(las_head *head, const char *line)
 	head->vlr[LAS_HEAD_TEXT].data[head->vlr[LAS_HEAD_TEXT].length++] = '\n';
 }
 
-/* The scan's comments, as lines, but for those that the reader makes. */
+static bool begins(const char *text, const char *with)
+{
+	return strncmp(text, with, strlen(with)) == 0;
+}
+
+/* The whole names of columns that extra values have no room for. */
+static void add_names(las_head *head)
+{
+	const las_records *w = head->records;
+	for (size_t f = w->own; f < w->layout.count; f++) {
+		char line[sizeof LAS_COLUMN_LINE LAS_COLUMN_IS + LAS_EXTRA_NAME + LAS_COLUMN_NAME];
+		const char *cut = w->layout.field[f].name, *whole = w->column[f]->name;
+		if (strcmp(cut, whole) == 0 || strlen(whole) >= LAS_COLUMN_NAME)
+			continue;
+		snprintf(line, sizeof line, LAS_COLUMN_LINE "%.*s" LAS_COLUMN_IS "%s", LAS_EXTRA_NAME, cut,
+				 whole);
+		add_line(head, line);
+	}
+}
+
+/* Names of columns, and the scan's comments, as lines, but for those that the reader makes. */
 static gw_status make_comments(las_head *head, gw_error *error)
 {
 	const las_records *w = head->records;
 	head->vlr[LAS_HEAD_TEXT].data = malloc(LAS_LENGTH_MAX);
 	if (!head->vlr[LAS_HEAD_TEXT].data)
 		return fail_memory(head->records, error);
+	add_names(head);
 	for (size_t c = 0; c < w->cloud->comment_count; c++) {
 		const char *text = w->cloud->comment[c];
-		if (strncmp(text, LAS_NOTE, strlen(LAS_NOTE)) != 0 &&
-			strncmp(text, SCAN_NOTE, strlen(SCAN_NOTE)) != 0)
+		if (!begins(text, LAS_NOTE) && !begins(text, SCAN_NOTE) && !begins(text, LAS_COLUMN_LINE))
 			add_line(head, text);
 	}
 	static const char axes[3] = "xyz";

@@ -149,7 +149,7 @@ static gw_status note_geo(parser *p, const char *key, las_vlr body, size_t size)
 	return status;
 }
 
-/* Each line is a comment. */
+/* Each line is a comment, but for those that name columns. */
 static gw_status note_lines(parser *p, las_vlr body)
 {
 	const char *text = (const char *)body.data;
@@ -166,7 +166,7 @@ static gw_status note_lines(parser *p, las_vlr body)
 			size--;
 		line[size] = '\0';
 		at = end + 1;
-		if (size > 0 && ++p->lines)
+		if (size > 0 && strncmp(line, LAS_COLUMN_LINE, strlen(LAS_COLUMN_LINE)) != 0 && ++p->lines)
 			GW_TRY(scan_add_comment(p->notes, line, p->error));
 	}
 	return GW_OK;
@@ -200,8 +200,10 @@ static gw_status take_vlr(parser *p, const uint8_t *record, las_vlr body)
 		p->header->laszip = body;
 	if (strncmp(user, LAS_USER_SPEC, 16) == 0 && id == LAS_VLR_EXTRA)
 		p->header->extra = body;
-	if (strncmp(user, LAS_USER_SPEC, 16) == 0 && id == LAS_VLR_TEXT)
+	if (strncmp(user, LAS_USER_SPEC, 16) == 0 && id == LAS_VLR_TEXT) {
+		p->header->text = body;
 		return note_lines(p, body);
+	}
 	return GW_OK;
 }
 

@@ -34,6 +34,7 @@ typedef struct las_header {
 	double minimum[3], maximum[3]; /* bounds as the header claims them */
 	las_vlr extra;                 /* extra bytes: descriptions of 192 bytes */
 	las_vlr laszip;                /* how LAZ points are compressed */
+	las_vlr text;                  /* lines: comments, and names of columns (LAS_COLUMN_LINE) */
 } las_header;
 
 /*

@@ -26,6 +26,11 @@
 #define LAS_CLASS_HIGH_NOISE 18
 #define LAS_CLASS_OVERLAP 12
 
+/* Begins a line of the text record that gives an extra value its whole name, where the 32 bytes
+ * that LAS has for it cut that short: "glowworm column CUT = WHOLE". */
+#define LAS_COLUMN_LINE "glowworm column "
+#define LAS_COLUMN_IS " = "
+
 #define LAS_USER_SPEC "LASF_Spec"
 #define LAS_USER_CRS "LASF_Projection"
 #define LAS_USER_LASZIP "laszip encoded"

@@ -224,7 +224,7 @@ static gw_status settle_wide(reader *r, const las_field *field)
 		}
 		return GW_OK;
 	}
-	char name[2][72];
+	char name[2][LAS_COLUMN_NAME + 8];
 	for (int half = 0; half < 2; half++) {
 		snprintf(name[half], sizeof *name, "%s_%s", field->name, half ? "high" : "low");
 		scan_column *to = scan_add_column(r->cloud, name[half], SCAN_UINT32, r->error);

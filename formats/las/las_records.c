@@ -71,7 +71,7 @@ static bool is_written(const las_records *w, const char *name)
 }
 
 /* An extra value's name has 32 bytes: longer ones are cut, and numbered when that makes two
- * alike. */
+ * alike; the head has them whole. */
 static void name_extra(const las_records *w, las_field *field, const char *name)
 {
 	snprintf(field->name, sizeof field->name, "%.32s", name);

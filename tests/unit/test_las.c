@@ -321,8 +321,10 @@ static void lit_points(void **state)
 	assert_int_equal(scan_find(&back, "scalar_radiance_r")->type, SCAN_FLOAT32);
 	/* The field holds integers only, so the column comes back from the extra bytes. */
 	assert_true(value(&back, "intensity", 1) == 0.25);
-	assert_true(value(&back, "a_name_of_more_than_thirty-two_b", 2) == -128.0);
-	assert_true(value(&back, "a_name_of_more_than_thirty_2", 3) == (double)UINT32_MAX);
+	/* Names that are longer than LAS has room for come back whole, and leave no comment. */
+	assert_true(value(&back, long_names[0], 2) == -128.0);
+	assert_true(value(&back, long_names[1], 3) == (double)UINT32_MAX);
+	assert_false(has_comment(&back, "glowworm column"));
 	assert_true(has_comment(&back, "glowworm units: some"));
 	assert_true(value(&back, "return_number", 0) == 1.0);
 	scan_clear(&back);
@@ -485,6 +487,34 @@ static void extra_bytes_with_scale_and_names(void **state)
 	scan_clear(&cloud);
 }
 
+/* A text record may name columns as it likes: what is empty does not count, what is taken gets a
+ * number, and what is too long is cut. */
+static void names_of_the_text_record(void **state)
+{
+	(void)state;
+	static const char lines[] = "glowworm column one = \nglowworm column two = x\n"
+								"glowworm column three = ";
+	static file f;
+	char name[256] = { 0 };
+	start_file(&f);
+	uint8_t *v = add_vlr(&f, "LASF_Spec", 4, 3 * 192);
+	describe(v, 1, 0, "one");
+	describe(v + 192, 1, 0, "two");
+	describe(v + 2 * 192, 1, 0, "three");
+	uint8_t *text = add_vlr(&f, "LASF_Spec", 3, sizeof lines + 1000);
+	memset(text, '\t', sizeof lines + 1000); /* and no zero behind it */
+	memcpy(text, lines, sizeof lines - 1);
+	memset(name, '_', 240);
+	uint8_t extra[2 * 3] = { 1, 2, 3, 4, 5, 6 };
+	add_points(&f, extra, 3);
+	scan cloud = read_bytes(f.data, f.length);
+	assert_true(value(&cloud, "one", 1) == 4.0);
+	assert_true(value(&cloud, "x_2", 1) == 5.0);
+	assert_true(value(&cloud, name, 1) == 6.0);
+	assert_false(has_comment(&cloud, "column"));
+	scan_clear(&cloud);
+}
+
 /* ------------------------------------------------------------------------- coordinate systems */
 
 static void coordinate_systems(void **state)
@@ -620,6 +650,7 @@ int main(void)
 		cmocka_unit_test(values_that_do_not_fit),
 		cmocka_unit_test(extra_bytes_of_every_type),
 		cmocka_unit_test(extra_bytes_with_scale_and_names),
+		cmocka_unit_test(names_of_the_text_record),
 		cmocka_unit_test(coordinate_systems),
 		cmocka_unit_test(colors_and_bounds),
 		cmocka_unit_test(counts_and_sizes),
