@@ -803,6 +803,14 @@ static void put_parts(const gw_report *r, char *text, size_t room)
 	}
 }
 
+/* Whether bounces are no more than so many although what further ones would bring is much. */
+static bool leaves_bounces_out(const bake_facts *f)
+{
+	const gw_report *r = &f->result->report;
+	return f->settings->bake.bounces != GW_BOUNCES_AUTO &&
+		   r->remaining > 0.5 * r->error.relative_rms;
+}
+
 /* What less would cost, as the end of a sentence. */
 static void price_text(const bake_facts *f, char *text, size_t room)
 {
@@ -825,6 +833,10 @@ static void price_text(const bake_facts *f, char *text, size_t room)
 	else if (r->price.error > 0.0 && seconds > 0.0)
 		snprintf(text, room, "; %s %% would take about %s (--max-error %.2g)",
 				 text_percent(r->price.error, percent), time, r->price.error);
+	else if (leaves_bounces_out(f))
+		snprintf(text, room,
+				 "; part of that is light of bounces that are left out, which more "
+				 "--bounces bring");
 	else if (r->price.error > 0.0)
 		snprintf(text, room, "; %s %% would take a bake without --transport (--max-error %.2g)",
 				 text_percent(r->price.error, percent), r->price.error);

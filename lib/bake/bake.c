@@ -731,7 +731,8 @@ static double ray_seconds(bake *b)
 	return r->rays > 0 ? seconds / ((double)r->rays + check_points) : 0.0;
 }
 
-/* What a smaller error would cost. Of cones it is not known: theirs has parts that stay. */
+/* What a smaller error would cost. Of cones it is not known: theirs has parts that stay; nor where
+ * light is left out because bounces are no more than so many. */
 static void set_price(bake *b, const gw_bake_options *first, double ray)
 {
 	static const char *const of_round[] = { "records", "first gather", "bounces", "read back",
@@ -757,6 +758,8 @@ static void set_price(bake *b, const gw_bake_options *first, double ray)
 		.ray_seconds = ray,
 	};
 	r->price = r->missed ? gw_price_of(&task, (double)first->max_error) : gw_price_of_less(&task);
+	if (b->scene.options.bounces != GW_BOUNCES_AUTO && r->remaining > r->price.error)
+		r->price = (gw_price){ 0 };
 	if (has_transport(b))
 		r->price.seconds = 0.0; /* another bake made what this one began with */
 }

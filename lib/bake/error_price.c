@@ -41,6 +41,9 @@
 /* Less than this share of the error taken off is not worth a word. */
 #define WORTH 0.07
 
+/* More than that cannot be asked for as max_error. */
+#define ERROR_MOST 0.99
+
 double gw_error_floor(const gw_error_estimate *e)
 {
 	return hypot(hypot(e->shadows, e->normals), hypot(e->emission, e->geometry));
@@ -98,8 +101,8 @@ gw_price gw_price_of_less(const gw_price_task *t)
 		return (gw_price){ 0 };
 	/* Beside edges of shadows and errors of normals there has to be room for what is gathered. */
 	double least = hypot(gw_error_floor(e) / MARGIN, 0.5 * e->gathered);
-	double wanted = two_digits(fmax(0.5 * e->relative_rms, least));
-	if (wanted > (1.0 - WORTH) * e->relative_rms)
-		return (gw_price){ 0 };
-	return gw_price_of(t, wanted);
+	double wanted = fmin(two_digits(fmax(0.5 * e->relative_rms, least)), ERROR_MOST);
+	gw_price price = gw_price_of(t, wanted);
+	bool worth = wanted <= (1.0 - WORTH) * e->relative_rms;
+	return worth && price.seconds > 0.0 ? price : (gw_price){ 0 };
 }

@@ -36,7 +36,8 @@ double gw_error_floor(const gw_error_estimate *error);
 double gw_error_with_records(const gw_error_estimate *error, double times, double *spread);
 
 /* What half of the error would cost, or where edges of shadows do not allow that, half of the
- * error of gathered light. All 0 where that would be hardly less, or nothing is known. */
+ * error of gathered light; 0.99 where that is more, which no max_error can be. All 0 where that
+ * would be hardly less, nothing would bring it, or nothing is known. */
 gw_price gw_price_of_less(const gw_price_task *task);
 
 /* What would bring the error and its spread down to `error`. Seconds are 0 where nothing would. */

@@ -424,6 +424,22 @@ static void shadows_are_a_floor(void **state)
 	assert_true(gw_price_of_less(&t).error == 0.0);
 }
 
+/* Where the error is more than all light, half of it may be more than can be asked for. */
+static void price_of_more_than_all_light(void **state)
+{
+	(void)state;
+	gw_price_task t = priced(14.0, 1.0, 0.5);
+	gw_price price = gw_price_of_less(&t);
+	assert_true(price.error == 0.99 && price.seconds == gw_price_of(&t, 0.99).seconds);
+	assert_true(price.seconds > 0.0);
+	t.error.shadows = 1.0;
+	assert_true(gw_price_of_less(&t).error == 0.0);
+	/* Nor is an error named that no number of rays would bring. */
+	t = priced(20.0, 20.0, 0.0);
+	assert_true(gw_price_of(&t, 0.99).seconds == 0.0);
+	assert_true(gw_price_of_less(&t).error == 0.0);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -441,6 +457,7 @@ int main(void)
 		cmocka_unit_test(price_of_noise),
 		cmocka_unit_test(less_error_costs_more),
 		cmocka_unit_test(shadows_are_a_floor),
+		cmocka_unit_test(price_of_more_than_all_light),
 	};
 	return cmocka_run_group_tests_name("refine", tests, NULL, NULL);
 }
