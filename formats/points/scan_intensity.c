@@ -169,6 +169,19 @@ static void measure_beams(beams *b)
 		b->range[i] /= middle;
 }
 
+/* Of range and angle what the intensity falls by; nothing where it falls by neither. */
+static void say_fall(double range, double angle, char how[120])
+{
+	char of_range[48] = "", of_angle[48] = "";
+	if (range > 0)
+		snprintf(of_range, sizeof of_range, "the power %.2g of range", range);
+	if (angle > 0)
+		snprintf(of_angle, sizeof of_angle, "the power %.2g of cosine", angle);
+	if (range > 0 || angle > 0)
+		snprintf(how, 120, "without its fall by %s%s%s", of_range,
+				 range > 0 && angle > 0 ? " and " : "", of_angle);
+}
+
 static void correct(const beams *b, float *value, char how[120])
 {
 	size_t count = b->cloud->count;
@@ -178,9 +191,7 @@ static void correct(const beams *b, float *value, char how[120])
 	double angle = fit_power(value, b->cosine, count, 2.0 * BINS_A_DOUBLING);
 	angle = angle > SLOPE_LEAST ? fmin(angle, ANGLE_MOST) : 0;
 	take_out(value, b->cosine, count, angle);
-	if (range < 0 || angle > 0)
-		snprintf(how, 120, ", without its fall by the power %.2g of range and %.2g of cosine",
-				 -range, angle);
+	say_fall(-range, angle, how);
 }
 
 static gw_status see_beams(beams *b, const scan_column *const place[3], uint32_t threads,

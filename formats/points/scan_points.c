@@ -115,8 +115,9 @@ static gw_status albedo_of_intensity(const scan *cloud, const scan_points_option
 	for (size_t i = 0; i < 3 * cloud->count; i++)
 		out->albedo[i] /= full;
 	snprintf(out->albedo_source, sizeof out->albedo_source,
-			 "the intensity, of which the 99th percentile%s, %s, counts as 1%s",
-			 options->intensity_full > 0.0f ? " of all inputs" : "", GW_SAID((double)full, 6), how);
+			 "the intensity, of which the 99th percentile%s, %s, counts as 1%s%s",
+			 options->intensity_full > 0.0f ? " of all inputs" : "", GW_SAID((double)full, 6),
+			 how[0] ? ", " : "", how);
 	return GW_OK;
 }
 
