@@ -162,6 +162,7 @@ static void write_bounces(json_writer *json, const bake_facts *f)
 	json_put_real(json, "narrow", r->error.narrow);
 	json_put_real(json, "between", r->error.between);
 	json_put_real(json, "halves", r->error.halves);
+	json_put_bool(json, "halves_left_out", r->halves_left_out);
 	json_put_close(json, '}');
 	json_put_bool(json, "unlit_space", r->unlit_space);
 	json_put_open_flat(json, "gaps", '{');
@@ -716,6 +717,17 @@ static void note_unlit_space(const bake_facts *f)
 			at[0], at[1], at[2]);
 }
 
+/* What was not asked of a surface in doubt, so that nobody takes the error for all of it. */
+static void note_left_out(const bake_facts *f)
+{
+	if (f->result->report.halves_left_out)
+		fprintf(
+			stderr,
+			"glowworm: note: the surface is in doubt, and %s leaves no time to bake half of the "
+			"points, which tells by how much: the error may be larger than it is said to be\n",
+			f->settings->transport ? "--transport" : "--time");
+}
+
 void bake_report_notes(const bake_facts *f)
 {
 	const gw_report *r = &f->result->report;
@@ -735,6 +747,7 @@ void bake_report_notes(const bake_facts *f)
 	if (told != DOUBT_GAPS)
 		note_gaps(f->settings, r);
 	note_no_scanner(f->settings, r);
+	note_left_out(f);
 	if (f->vdb_clamped)
 		fprintf(stderr,
 				"glowworm: note: %" PRIu64

@@ -275,7 +275,7 @@ static gw_status comment_command(maker *m)
 static gw_status comment_error(maker *m)
 {
 	const gw_report *r = &m->result->report;
-	char text[480], remaining[NUMBER_TEXT], rms[NUMBER_TEXT], spread[NUMBER_TEXT];
+	char text[560], remaining[NUMBER_TEXT], rms[NUMBER_TEXT], spread[NUMBER_TEXT];
 	char shadows[NUMBER_TEXT], normals[NUMBER_TEXT], emission[NUMBER_TEXT];
 	char geometry[NUMBER_TEXT], sides[NUMBER_TEXT], gaps[NUMBER_TEXT], halves[NUMBER_TEXT];
 	char narrow[NUMBER_TEXT], between[NUMBER_TEXT];
@@ -323,6 +323,9 @@ static gw_status comment_error(maker *m)
 	if (r->error.halves > 0)
 		snprintf(text + length, sizeof text - (size_t)length,
 				 ", the surface by half of the points %s", halves);
+	else if (r->halves_left_out)
+		snprintf(text + length, sizeof text - (size_t)length,
+				 ", half of the points not asked of the surface");
 	bool known = r->error.points > 0 || r->error.relative_rms > 0.0;
 	return status == GW_OK && known ? comment(m, text) : status;
 }

@@ -235,7 +235,8 @@ static gw_status foretell(bake *b, gw_error *error)
 	double done = 0.0;
 	for (uint32_t i = 0; i + 1 < r->stage_count; i++)
 		done += r->stage[i].seconds;
-	bool halves = gw_half_sample_is_wanted(b->points, &b->scene.options, r);
+	bool halves = !gw_transport_is_read(b->scene.options.transport) &&
+				  gw_half_sample_is_wanted(b->points, &b->scene.options, r);
 	if (halves && !(light = gw_allocate_zeros(1, sizeof *light)))
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the light of points");
 	gw_status status = foretell_all(b, done, light, error);

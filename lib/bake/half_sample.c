@@ -3,6 +3,7 @@
  */
 #include "bake/half_sample.h"
 
+#include "bake/scene.h"
 #include "base/hash.h"
 #include "base/luminance.h"
 #include "base/memory.h"
@@ -40,7 +41,8 @@
 
 bool gw_half_sample_is_likely(const gw_points *points, const gw_bake_options *options)
 {
-	return options->estimate_points > 0 && !options->transport && points->count >= POINTS_LEAST &&
+	return options->estimate_points > 0 && !gw_transport_is_read(options->transport) &&
+		   points->count >= POINTS_LEAST &&
 		   (!points->normal || options->normals == GW_NORMALS_ESTIMATE ||
 			options->surface_points > 0);
 }
@@ -55,7 +57,7 @@ bool gw_half_sample_is_wanted(const gw_points *points, const gw_bake_options *op
 		if (strcmp(report->count[i].name, "normals_estimated") == 0)
 			estimated = (double)report->count[i].points;
 	bool narrow = points->count >= NARROW_POINTS && report->narrow_share > NARROW_LEAST;
-	return options->estimate_points > 0 && !options->transport && points->count >= POINTS_LEAST &&
+	return options->estimate_points > 0 && points->count >= POINTS_LEAST &&
 		   (options->surface_points > 0 || estimated > ESTIMATED_LEAST * all ||
 			strays > STRAYS_LEAST * all || report->spacing_ratio > UNEVEN_LEAST || narrow);
 }
@@ -63,6 +65,7 @@ bool gw_half_sample_is_wanted(const gw_points *points, const gw_bake_options *op
 gw_bake_options gw_half_sample_options(const gw_points *points, const gw_bake_options *options)
 {
 	gw_bake_options plain = *options;
+	plain.transport = NULL; /* that it writes is of all points */
 	bool guessed = !points->normal || options->normals == GW_NORMALS_ESTIMATE;
 	plain.estimate_points = guessed ? SIDES_POINTS : 0;
 	plain.max_error = plain.time_limit = plain.gathered_error = 0.0f;

@@ -44,7 +44,8 @@
 /*
  * Is there doubt about the surface that such a bake could show? Not where all normals were given,
  * points are about as far apart everywhere, next to none lie on leaves or wires, and next to
- * nothing strays; but always where some of the points alone make the surface.
+ * nothing strays; but always where some of the points alone make the surface. Nobody makes one
+ * beside a transport, whose light would come in less time than such a bake takes.
  */
 bool gw_half_sample_is_wanted(const gw_points *points, const gw_bake_options *options,
 							  const gw_report *report);

@@ -169,9 +169,14 @@ gw_status gw_bake_checked(const gw_scene_description *scene, const gw_bake_optio
 	/* Two smaller bakes take less than twice as long as this one did. */
 	bool in_time =
 		!(options->time_limit > 0.0f) || gw_seconds() - start < 0.5 * (double)options->time_limit;
-	if (status == GW_OK && in_time && !(manner.trial && (*result)->report.missed) &&
-		gw_half_sample_is_wanted(scene->points, options, &(*result)->report))
+	bool lit =
+		scene->light_count > 0 || scene->points->emission; /* and not for a transport alone */
+	bool wanted = status == GW_OK && lit && !(manner.trial && (*result)->report.missed) &&
+				  gw_half_sample_is_wanted(scene->points, options, &(*result)->report);
+	if (wanted && in_time && !gw_transport_is_read(options->transport))
 		status = check_by_halves(&w, *result, error);
+	else if (wanted)
+		(*result)->report.halves_left_out = true;
 	free(w.known[0]);
 	free(w.known[1]);
 	gw_gpu_destroy(&own);

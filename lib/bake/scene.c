@@ -165,8 +165,8 @@ static uint64_t count_foliage(const gw_surfels *s)
 static void report_sampling(gw_report *r, const gw_surfels *s)
 {
 	size_t few = s->count / 20, narrow = 0;
-	r->spacing_ratio = 1.0;
-	if (s->count == 0 || !s->radius || !s->clip) /* of stored transport */
+	r->spacing_ratio = fmax(r->spacing_ratio, 1.0);
+	if (s->count == 0 || !s->radius || !s->clip) /* of stored transport, which has both numbers */
 		return;
 	float dense = gw_nth_element(s->radius, s->count, few);
 	if (dense > 0.0f)

@@ -54,6 +54,8 @@ gw_transport_numbers gw_transport_numbers_of(const gw_scene *scene)
 	gw_transport_numbers n;
 	memset(&n, 0, sizeof n);
 	n.given_area = s->given_area;
+	n.spacing_ratio = scene->report->spacing_ratio;
+	n.narrow_share = scene->report->narrow_share;
 	n.spacing = s->spacing;
 	n.leaf_size = o->leaf_size;
 	n.record_radius = r->radius;
@@ -138,6 +140,7 @@ bool gw_transport_numbers_fit(const gw_transport_numbers *n)
 		   n->tree_nodes <= n->tree_discs && (!(n->optional & MOMENTS) || n->light_samples > 0) &&
 		   n->check_points <= n->surfels && n->check_point_rays <= 4096 &&
 		   n->check_points_lit <= (n->emits == 1 && n->check_points > 0) &&
+		   n->spacing_ratio >= 1.0 && n->narrow_share >= 0.0 && n->narrow_share <= 1.0 &&
 		   isfinite(n->leaf_size) && n->leaf_size > 0.0f && n->block_level < n->depth &&
 		   n->leaves > 0 && n->leaves <= INT32_MAX / 2 && n->facets > n->leaves &&
 		   n->facets <= 2 * n->leaves + 1 && n->dark_facet <= GW_FACET_EMPTY + 1 &&
@@ -150,6 +153,8 @@ void gw_transport_numbers_restore(const gw_transport_numbers *n, gw_scene *scene
 {
 	gw_surfels *s = &scene->surfels;
 	gw_octree *o = &scene->octree;
+	scene->report->spacing_ratio = n->spacing_ratio;
+	scene->report->narrow_share = n->narrow_share;
 	*s = (gw_surfels){ .count = (size_t)n->surfels,
 					   .point_count = (size_t)n->points,
 					   .stray_count = (size_t)n->strays,
