@@ -12,6 +12,12 @@ bool stream_roles_standard(const char *path)
 	return path && strcmp(path, "-") == 0;
 }
 
+bool stream_roles_nameless(const char *path)
+{
+	struct stat info;
+	return stream_roles_standard(path) || (stat(path, &info) == 0 && !S_ISREG(info.st_mode));
+}
+
 /* ---------------------------------------------------------------------------------- input */
 
 /* A pipe is spent by whoever reads it first, by whatever name; a file is opened anew. */

@@ -17,6 +17,10 @@ typedef struct stream_output {
 /* True for "-"; path may be NULL. */
 bool stream_roles_standard(const char *path);
 
+/* True for "-", and for what is there and is no ordinary file, as a device or a pipe: its name says
+ * nothing of what is written. */
+bool stream_roles_nameless(const char *path);
+
 /* How many of the files that are read are standard input: "-", and the pipe that it is by another
  * name, as /dev/stdin. */
 int stream_roles_inputs(const settings *settings);

@@ -73,14 +73,24 @@ static gw_status check(const settings *s, gw_error *error)
 	return file_roles_check(VERB_PROBES, s, NULL, error);
 }
 
-/* The picture's name and camera, before the work. */
-static gw_status check_picture(const settings *s, gw_error *error)
+static bool is_called(const char *path, const char *extension)
+{
+	const char *dot = strrchr(path, '.');
+	return stream_roles_nameless(path) || (dot && strcasecmp(dot, extension) == 0);
+}
+
+/* The pictures' names, and the camera of that of balls, before the work. */
+static gw_status check_pictures(const settings *s, gw_error *error)
 {
 	camera_plan plan;
+	if (s->output && !is_called(s->output, ".exr"))
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "%s: maps of probes are OpenEXR, and the name must end in .exr; --picture "
+					   "draws the scene with the probes in it, as PNG",
+					   s->output);
 	if (!s->picture)
 		return GW_OK;
-	const char *dot = strrchr(s->picture, '.');
-	if (!stream_roles_standard(s->picture) && !(dot && strcasecmp(dot, ".png") == 0))
+	if (!is_called(s->picture, ".png"))
 		return gw_fail(error, GW_ERROR_USAGE, "--picture %s: the name must end in .png",
 					   s->picture);
 	GW_TRY(camera_plan_read(s, &plan, error));
@@ -125,7 +135,7 @@ static gw_status read_scene(probing *p)
 	quality_preset_apply(s);
 	bake_plan_apply_effects(s);
 	GW_TRY(check(s, p->error));
-	GW_TRY(check_picture(s, p->error));
+	GW_TRY(check_pictures(s, p->error));
 	GW_TRY(bake_plan_apply_motion(s, p->error));
 	GW_TRY(open_outputs(p));
 	s->bake.drivers = p->drivers = gw_drivers_load();

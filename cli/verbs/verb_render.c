@@ -23,7 +23,6 @@
 #include <string.h>
 #include <strings.h>
 #include <sys/resource.h>
-#include <sys/stat.h>
 
 #define POINTS_RADIUS 0.2f  /* of --view points: discs that do not meet */
 #define METERED_PICTURES 32 /* of several ones, which share one exposure */
@@ -106,9 +105,8 @@ static gw_status check_output(render *r)
 	if (!path)
 		return gw_fail(r->error, GW_ERROR_USAGE,
 					   "where to write? Give -o PICTURE.png, or -o - for standard output");
-	struct stat info;
 	const char *slash = strrchr(path, '/'), *dot = strrchr(slash ? slash : path, '.');
-	bool stream = stream_roles_standard(path) || (stat(path, &info) == 0 && !S_ISREG(info.st_mode));
+	bool stream = stream_roles_nameless(path);
 	r->exr = dot && strcasecmp(dot, ".exr") == 0;
 	if (!r->exr && !stream && !(dot && strcasecmp(dot, ".png") == 0))
 		return gw_fail(r->error, GW_ERROR_USAGE,
@@ -155,13 +153,10 @@ static gw_status probe_outputs(const render *r)
 	gw_status status = GW_OK;
 	for (size_t i = 0; i < camera_plan_count(&r->plan) && status == GW_OK; i++) {
 		char *name = name_picture(r, i);
-		struct stat info;
 		if (!name)
 			return gw_fail(r->error, GW_ERROR_MEMORY, "no memory for a name");
-		bool file =
-			!stream_roles_standard(name) && (stat(name, &info) != 0 || S_ISREG(info.st_mode));
 		output_file *probe = NULL;
-		if (file)
+		if (!stream_roles_nameless(name))
 			status = output_file_create(&probe, name, r->settings->force, r->error);
 		output_file_abandon(&probe);
 		free(name);
@@ -535,6 +530,16 @@ static gw_status note_holes(const render *r, const gw_gbuffer *g)
 	return GW_OK;
 }
 
+/* A camera that was chosen by itself sees points, but maybe none of the boxes of a view. */
+static gw_status fail_empty(const render *r)
+{
+	bool boxes = octree_view_is_boxes((settings_view)r->settings->render.view);
+	return gw_fail(r->error, GW_ERROR_DATA,
+				   boxes ? "nothing that this --view shows is in the picture; another --camera, "
+						   "such as outside, or another level may show some"
+						 : "no point is in view; --camera auto finds a camera that sees some");
+}
+
 static gw_status make_picture(render *r, size_t picture)
 {
 	gw_gbuffer g;
@@ -542,8 +547,7 @@ static gw_status make_picture(render *r, size_t picture)
 	gw_status status = draw(
 		r, picture, (resolution){ r->width, r->height, r->settings->render.samples }, &g, &values);
 	if (status == GW_OK && g.drawn == 0 && camera_plan_count(&r->plan) == 1)
-		status = gw_fail(r->error, GW_ERROR_DATA,
-						 "no point is in view; --camera auto finds a camera that sees some");
+		status = fail_empty(r);
 	if (status == GW_OK && g.drawn == 0 && !r->settings->quiet)
 		fprintf(stderr, "glowworm: note: no point is in view of picture %zu\n", picture + 1);
 	if (status == GW_OK && picture == 0)

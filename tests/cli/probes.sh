@@ -44,7 +44,8 @@ print("grid", t["places"], 1 <= len(t["probes"]) <= 8, t["seen"] == t["seeable"]
 for bad in '' '-o p.exr' '-o p.exr --count 0' '-o p.exr --size 48' '-o p.exr --size 2' \
 	'-o p.exr --margin=-1' '-o one.exr' '-o rooms.ply -f' '-o - --json -' '-o p.exr --moves x' \
 	'--picture p.png --camera nowhere' '--picture one.exr' '--picture - -o -' \
-	'--picture floor.png' '-o p.exr --grid 0' '-o p.exr --grid 65'; do
+	'--picture floor.png' '-o p.exr --grid 0' '-o p.exr --grid 65' \
+	'-o p.png'; do
 	input=rooms.ply
 	[ "$bad" != '-o p.exr' ] || input=
 	glowworm probes $input --rays 16 $bad 2>&1

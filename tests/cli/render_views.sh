@@ -53,5 +53,6 @@ run 2 render lit.ply -o x.png --view shadow:2 --light "$lamp"
 run 2 render lit.ply -o x.png --view shadow:1 --light 'sky radiance 1'
 bad 65 box.ply radiance:3:+x
 bad 65 lit.ply error
+run 65 render lit.ply -o x.png --view cells:4 --camera 'at 5,5,5 to 9,9,9'
 ls x.* 2>/dev/null
 true
