@@ -694,13 +694,32 @@ static void note_dark(const bake_facts *f)
 	}
 	double least = DARK * sum / (double)count;
 	for (size_t i = 0; i < result->count; i++)
-		dark += is_written(result, i) && !(preview_luminance(result->radiance + 3 * i) > least);
+		dark += is_written(result, i) && preview_luminance(result->albedo + 3 * i) > 0.0 &&
+				!(preview_luminance(result->radiance + 3 * i) > least);
 	double share = (double)dark / (double)count;
 	if (share > DARK_SHARE)
 		fprintf(stderr,
 				"glowworm: note: %s %% of the points get no light, or less than a thousandth of "
 				"the mean; where none gets in, a lamp inside helps, as --light 'point at X,Y,Z "
 				"intensity 20'\n",
+				text_percent(share, percent));
+}
+
+/* However much light falls on what is black. */
+static void note_black(const bake_facts *f)
+{
+	const gw_bake_result *result = f->result;
+	char percent[TEXT_PERCENT];
+	size_t black = 0, count = 0;
+	for (size_t i = 0; i < result->count; i++) {
+		count += is_written(result, i);
+		black += is_written(result, i) && !(preview_luminance(result->albedo + 3 * i) > 0.0);
+	}
+	double share = (double)black / (double)count;
+	if (share > DARK_SHARE)
+		fprintf(stderr,
+				"glowworm: note: %s %% of the points reflect no light, as their albedo is 0; "
+				"--albedo or --albedo-scale gives them another\n",
 				text_percent(share, percent));
 }
 
@@ -738,6 +757,8 @@ void bake_report_notes(const bake_facts *f)
 		note_unlit_space(f);
 	else if (f->settings->bake.bounces != 0)
 		note_dark(f);
+	if (f->settings->bake.bounces != 0)
+		note_black(f);
 	if (told != DOUBT_GEOMETRY)
 		note_geometry(r);
 	if (told != DOUBT_SIDES)
@@ -913,7 +934,8 @@ gw_status bake_report_goal(const bake_facts *f, gw_error *error)
 	error_text(r, text);
 	missed_text(f, why, sizeof why);
 	if (r->round_count > 0) /* of tiles each has its own */
-		snprintf(rounds, sizeof rounds, " after %" PRIu32 " rounds", r->round_count);
+		snprintf(rounds, sizeof rounds, " after %" PRIu32 " round%s", r->round_count,
+				 gw_plural(r->round_count, "", "s"));
 	if (r->missed && r->error.points == 0 &&
 		r->error.relative_rms <= (double)f->settings->bake.max_error)
 		return gw_fail(error, STATUS_MISSED,

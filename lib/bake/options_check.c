@@ -246,9 +246,13 @@ gw_status gw_options_check(const gw_bake_options *o, const gw_scene_description 
 	if (o->method == GW_METHOD_PROBES)
 		GW_TRY(check_probes(o, error));
 	GW_TRY(check_region(o, error));
-	if (o->gap_radiance > 0.0f && (o->lamps || o->gaps != GW_GAPS_BLACK))
+	if (o->gap_radiance > 0.0f && o->gaps != GW_GAPS_BLACK)
 		return gw_fail(error, GW_ERROR_USAGE,
-					   "a radiance of gaps takes gaps that are black without it, and is no lamp's: "
-					   "leave out the light of single lamps, or say black for gaps");
+					   "gaps send a radiance of their own only where they are closed as black: say "
+					   "black for gaps, or leave out their radiance");
+	if (o->gap_radiance > 0.0f && o->lamps)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "the radiance that gaps send is no lamp's: leave it out, or the light of "
+					   "single lamps");
 	return gw_lights_check(scene->lights, scene->light_count, error);
 }

@@ -32,7 +32,7 @@ figures 0.2
 bake --max-error 0.00001 --quality draft --least-records 0 --depth 5 --estimate-points 50 \
 	-o missed.ply --report report.json 2>err
 short() {
-	sed -E 's/error is .* rounds/error is E % after N rounds/; s/[0-9.e+-]+ % are/N % are/
+	sed -E 's/error is .* rounds?,/error is E % after N rounds,/; s/[0-9.e+-]+ % are/N % are/
 		s/about [0-9.e+]+ (s|min|h)/about T/; s/[0-9.e-]+ % (would|of)/N % \1/g
 		s/alone are [0-9.]+/alone are N/; s/: [0-9.e-]+ % \+- /: N % +- /
 		s/error [0-9.e-]+\)/error N)/' "$@"

@@ -10,6 +10,9 @@ awk -F, 'BEGIN { OFS = "," } { print $1, $2, $3, $4, $5, $6 }' all.csv >rooms.cs
 glowworm bake rooms.csv --light 'sun direction 0,0,1 irradiance 1' --estimate-points 0 -o dark.ply \
 	2>&1 | sed 's/[0-9.]* %/N %/'
 glowworm bake rooms.csv --light 'point at 0.5,0.5,1 intensity 1' --estimate-points 0 -o lit.ply 2>&1
+# What is black reflects nothing however much light there is, and no lamp helps.
+glowworm bake rooms.csv --light 'point at 0.5,0.5,1 intensity 1' --estimate-points 0 -o black.ply \
+	--albedo-scale 0 2>&1 | grep -v "^glowworm: light"
 bare() { # rooms without normals, of x above $1, by the light $2
 	awk -F, -v low="$1" 'NR == 1 || $1 > low { print $1 "," $2 "," $3 }' all.csv >bare.csv
 	echo "$2:"
