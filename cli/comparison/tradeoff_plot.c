@@ -274,11 +274,9 @@ void tradeoff_plot_write(const tradeoff *t, FILE *out)
 	fprintf(
 		out,
 		"<text class=\"axis\" x=\"%.0f\" y=\"24\">Circles are rays, squares cones, triangles "
-		"volumes (on their tips lpv), rhombs probes, stars buffers; a line joins what nothing "
-		"beats "
-		"in both axes of its panel.</text>\n"
-		"<text class=\"axis\" x=\"%.0f\" y=\"44\">The reference took %.3g s and estimates its own "
-		"error as %s %%.</text>\n",
+		"volumes (on their tips lpv), rhombs probes, stars buffers.</text>\n"
+		"<text class=\"axis\" x=\"%.0f\" y=\"44\">A line joins what nothing beats in both axes of "
+		"its panel. The reference took %.3g s and estimates its own error as %s %%.</text>\n",
 		LEFT, LEFT, t->run[0].seconds, text_percent(e->relative_rms, error));
 	for (int k = 0; k < 2; k++) {
 		panel p = fit(t, k ? LEFT + PANEL_WIDTH + GAP : LEFT, k == 1);

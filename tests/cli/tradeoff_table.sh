@@ -17,6 +17,10 @@ awk -F'"' 'NR > 1 { split($3, v, ","); n += v[8] == "" || v[8] <= 0.5 }
 grep -cE '^ .* s  --method' table.txt | cmp - near
 # Every row but the reference has a mark in both panels.
 grep -cE '<circle|class="(cones|buffers|volume|lpv|probes)" [xd]' a.svg
+# What stands above them ends within the picture, with letters of 13 pixels, some 7.5 wide.
+sed -n 's|.*class="axis" x="\([0-9]*\)" y="[24]4">\(.*\)</text>|\1 \2|p' a.svg |
+	awk -v width="$(sed -n '1s/.* width="\([0-9]*\)".*/\1/p' a.svg)" '{ n++ }
+	$1 + 7.5 * (length($0) - length($1) - 1) > width { print "too long: " $0 } END { print n }'
 # Where none does, which is the same sweep with another end.
 case $GLOWWORM in
 *sanitize*)
