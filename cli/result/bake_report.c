@@ -3,11 +3,13 @@
 #include "program/exit_code.h"
 #include "program/json_writer.h"
 #include "scene/octree_note.h"
+#include "scene/parted_cloud.h"
 #include "options/options.h"
 #include "options/preview.h"
 #include "scene/scene_file.h"
 #include "program/text_quote.h"
 #include "glowworm_host.h"
+#include "glowworm_parts.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -747,12 +749,28 @@ static void note_left_out(const bake_facts *f)
 			f->settings->transport ? "--transport" : "--time");
 }
 
+/* Of so little memory that it holds no surface worth it, what is not the device's is not bounded.
+ */
+static void note_little_memory(const bake_facts *f)
+{
+	const gw_bake_options *o = &f->settings->bake;
+	uint64_t fit = gw_points_in_memory(o->memory, true, false, o);
+	if (o->memory > 0 && o->surface_points == 0 && fit < PARTED_CLOUD_LEAST &&
+		fit < f->result->count)
+		fprintf(stderr,
+				"glowworm: note: --memory is less than the program takes with a surface of "
+				"%u points, which is why all points make it and only the device's memory was "
+				"bounded; the process may take more\n",
+				PARTED_CLOUD_LEAST);
+}
+
 void bake_report_notes(const bake_facts *f)
 {
 	const gw_report *r = &f->result->report;
 	doubt told = note_largest_doubt(f, r);
 	note_counts(f);
 	octree_note_print(r->leaf_size, r->wanted_leaf_size, r->why_coarser);
+	note_little_memory(f);
 	if (f->settings->bake.bounces != 0 && r->unlit_space)
 		note_unlit_space(f);
 	else if (f->settings->bake.bounces != 0)

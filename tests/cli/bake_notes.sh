@@ -36,6 +36,7 @@ for memory in 1G 6M; do
 		--memory "$memory" --report "$memory.json" -o "$memory.ply" 2>notes
 	sed -n 's/.*note: the octree was made coarser, .* in place of .* m: ".*" needs .*/coarser/p' \
 		notes
+	grep -o "memory is less than the program takes .*" notes
 	grep -o '"wanted_leaf_size": 0\.0\|"why_coarser": ' "$memory.json"
 done
 # So does who begins with the transport of such a bake.
