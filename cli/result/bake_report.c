@@ -564,7 +564,10 @@ static void note_narrow(const gw_report *r)
 		tell_narrow(lead);
 }
 
-static const char *how_to_close(const settings *s)
+/* Share of what lamps send from which on all of them stand where no scanner looked. */
+#define LAMPS_UNSEEN 0.995
+
+static const char *how_to_close(const settings *s, const gw_report *r)
 {
 	if (s->bake.method == GW_METHOD_CONES)
 		return "cones leave them open, --method rays --gaps mean closes them";
@@ -574,6 +577,9 @@ static const char *how_to_close(const settings *s)
 		return "a volume leaves them open, --method rays --gaps mean closes them";
 	if (s->bake.method == GW_METHOD_BUFFERS)
 		return "buffers leave them open, --method rays --gaps mean closes them";
+	if (s->bake.gaps == GW_GAPS_OPEN && r->gaps.scanners > 0 && r->gaps.lamps > LAMPS_UNSEEN)
+		return "no lamp stands where a scanner looked, and none would light anything if --gaps "
+			   "closed them";
 	return s->bake.gaps == GW_GAPS_OPEN ? "--gaps closes them" : "--gaps has closed them";
 }
 
@@ -593,7 +599,7 @@ static void note_holes(const settings *s, const gw_report *r)
 			GW_SAID_PLACE(at[0]), GW_SAID_PLACE(at[1]), GW_SAID_PLACE(at[2]),
 			text_percent(r->gaps.share, share), text_percent(r->gaps.sky, sky),
 			text_percent(r->gaps.lamps, lamps), text_percent(r->gaps.black, black),
-			text_percent(r->gaps.bright, bright), how_to_close(s));
+			text_percent(r->gaps.bright, bright), how_to_close(s, r));
 }
 
 /* Where light comes through what no scanner looked at. */
@@ -613,7 +619,8 @@ static void note_gaps(const settings *s, const gw_report *r)
 		"would be %s %% of what it is, as bright as what surrounds them, %s %%; %s, --fields "
 		"unknown says where\n",
 		text_percent(r->gaps.share, share), text_percent(r->gaps.lamps, lamps),
-		text_percent(r->gaps.black, black), text_percent(r->gaps.bright, bright), how_to_close(s));
+		text_percent(r->gaps.black, black), text_percent(r->gaps.bright, bright),
+		how_to_close(s, r));
 }
 
 /* What was asked for gaps, where none can be known. */
@@ -749,8 +756,7 @@ static void note_left_out(const bake_facts *f)
 			f->settings->transport ? "--transport" : "--time");
 }
 
-/* Of so little memory that it holds no surface worth it, what is not the device's is not bounded.
- */
+/* So little memory holds no surface worth it: the smallest one takes more. */
 static void note_little_memory(const bake_facts *f)
 {
 	const gw_bake_options *o = &f->settings->bake;
@@ -758,9 +764,8 @@ static void note_little_memory(const bake_facts *f)
 	if (o->memory > 0 && o->surface_points == 0 && fit < PARTED_CLOUD_LEAST &&
 		fit < f->result->count)
 		fprintf(stderr,
-				"glowworm: note: --memory is less than the program takes with a surface of "
-				"%u points, which is why all points make it and only the device's memory was "
-				"bounded; the process may take more\n",
+				"glowworm: note: --memory is less than the program takes with a surface of %u "
+				"points, the smallest that it makes\n",
 				PARTED_CLOUD_LEAST);
 }
 
@@ -895,6 +900,14 @@ static void price_text(const bake_facts *f, char *text, size_t room)
 	put_parts(r, text, room);
 }
 
+static bool is_lit(const gw_bake_result *result)
+{
+	for (size_t i = 0; i < result->count; i++)
+		if (preview_luminance(result->radiance + 3 * i) > 0.0)
+			return true;
+	return false;
+}
+
 /* Points that are lit from both sides at once are not asked how wrong that is: it is told where
  * there are no others. */
 static void tell_unknown_error(const gw_report *r)
@@ -913,7 +926,8 @@ void bake_report_error(const bake_facts *f)
 	const gw_report *r = &f->result->report;
 	char error[80], price[512];
 	if (r->error.points == 0 && !(r->error.relative_rms > 0.0)) {
-		tell_unknown_error(r);
+		if (is_lit(f->result))
+			tell_unknown_error(r);
 		return;
 	}
 	error_text(r, error);

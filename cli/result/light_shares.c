@@ -81,8 +81,9 @@ static bool shines(const gw_light_given *given)
 	return given->fate == GW_LIGHT_SHINES && !(given->share < NOTHING);
 }
 
-/* Why one gives nothing. */
-static const char *reason(const gw_light *light, gw_light_fate fate, double away)
+/* Why one gives nothing.
+ *   closed   gaps that no scanner looked at are */
+static const char *reason(const gw_light *light, gw_light_fate fate, double away, bool closed)
 {
 	bool placed = light->type != GW_LIGHT_SUN && light->type != GW_LIGHT_ENVIRONMENT;
 	if (fate == GW_LIGHT_BLACK)
@@ -97,10 +98,20 @@ static const char *reason(const gw_light *light, gw_light_fate fate, double away
 	if (fate == GW_LIGHT_AVERTED)
 		return placed ? "no surface in its beam faces it: it is behind walls or under the floor"
 					  : "no surface faces it";
+	if (closed)
+		return placed
+				   ? "surface, or what no scanner looked at and --gaps closes, hides all that it "
+					 "would reach"
+				   : "all that faces it lies in shadow, or behind what --gaps closes";
 	if (away > 0.0)
 		return "it stands outside, and surface hides all that it would reach";
 	return placed ? "surface hides all that it would reach: it is within rock, or shut in"
 				  : "all that faces it lies in shadow";
+}
+
+static bool are_gaps_closed(const light_shares *f)
+{
+	return f->settings->bake.gaps != GW_GAPS_OPEN && f->result->report.gaps.scanners > 0;
 }
 
 static void print_nothing(const light_shares *f, const extent *e, size_t i)
@@ -117,7 +128,7 @@ static void print_nothing(const light_shares *f, const extent *e, size_t i)
 	else
 		text_message(stderr, "glowworm: note: %s, lights %snothing: %s\n", name,
 					 given->fate == GW_LIGHT_SHINES ? "next to " : "",
-					 reason(light_of(f, i), given->fate, away));
+					 reason(light_of(f, i), given->fate, away, are_gaps_closed(f)));
 }
 
 static void print_dark(const light_shares *f, const extent *e)
@@ -312,7 +323,7 @@ static void print_planned(const light_shares *f, const extent *e, size_t i, FILE
 	if (given->fate == GW_LIGHT_LEFT_OUT)
 		fprintf(out, ": it is forbidden\n");
 	else if (!shines(given))
-		fprintf(out, ": %s\n", reason(light, given->fate, outside(e, light)));
+		fprintf(out, ": %s\n", reason(light, given->fate, outside(e, light), are_gaps_closed(f)));
 	else if (isnan(given->share))
 		fprintf(out, ": gathered with the other skies, or with what glows\n");
 	else

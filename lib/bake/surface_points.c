@@ -29,7 +29,7 @@
 #define PROGRAM_BYTES (UINT64_C(66) << 20)
 #define GIVEN_BYTES 150u
 
-/* With fewer points a bake is refused for want of memory rather than made of next to nothing. */
+/* Surface of fewer points is next to nothing: where memory holds no more, it takes more. */
 #define POINTS_LEAST 10000u
 
 /* Of the points that would fit so many are taken: fewer points have more facets each. */
@@ -95,7 +95,8 @@ size_t gw_surface_points_most(const gw_scene_description *scene, const gw_bake_o
 	if (memory == 0 || points_for(scene, options, memory, true) >= count)
 		return count;
 	uint64_t most = points_for(scene, options, memory, false);
-	return most < POINTS_LEAST || most > count ? count : (size_t)most;
+	most = most > POINTS_LEAST ? most : POINTS_LEAST;
+	return most < count ? (size_t)most : count;
 }
 
 gw_memory_ceiling gw_surface_points_ceiling(const gw_bake_options *options, uint64_t memory)
