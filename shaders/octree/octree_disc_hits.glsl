@@ -41,7 +41,7 @@ bool is_of_start(IN(Ray) ray, vec3 place, vec3 normal, float height)
 {
 	float alike = dot(normal, ray.facing), rise = dot(ray.facing, place - ray.foot);
 	if (abs(alike) > GW_LIKE_COSINE)
-		return rise < GW_NEAR_HEIGHT * abs(alike);
+		return rise < GW_NEAR_HEIGHT * max(alike, -GW_LIKE_OTHER * alike);
 	return rise < GW_NEAR_HEIGHT * GW_LIKE_LEAST && height < GW_NEAR_HEIGHT;
 }
 

@@ -102,7 +102,7 @@ bool rises_over_start(IN(Ray) ray, IN(Passage) own, float like)
 {
 	vec3 middle = texelFetch(facet_centre, int(own.facet)).xyz;
 	float height = dot(ray.facing, middle) - dot(ray.facing, ray.foot);
-	return height >= GW_NEAR_HEIGHT * max(abs(like), GW_LIKE_LEAST);
+	return height >= GW_NEAR_HEIGHT * max(max(like, -GW_LIKE_OTHER * like), GW_LIKE_LEAST);
 }
 
 /* How far a plane reaches beyond its cell, for a ray that comes so fast nearer to its front. */

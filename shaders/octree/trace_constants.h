@@ -16,8 +16,10 @@
 #define GW_NEAR 2.0f
 #define GW_NEAR_HEIGHT 0.1f
 
-/* Of that height, what a plane across that surface needs. */
+/* Of that height, what a plane across that surface needs; and what one like its other side does:
+ * less than one like itself, as a ring begins to rise over the floor where it lies on it. */
 #define GW_LIKE_LEAST 0.1f
+#define GW_LIKE_OTHER 0.75f
 
 /* Leaf cells by which planes reach beyond their cells for rays that come from in front: surface
  * that cuts off but a corner of a cell may leave nothing in it. For rays from behind it is less,

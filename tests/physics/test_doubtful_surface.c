@@ -187,7 +187,8 @@ static double square_off(const scene *s, const gw_points *given, const gw_light 
  * brighter one. Each side is the right one with a chance of a half, so the mean square of what is
  * off is that of both; what is off reflects by 1 / (1 - 0.5) at most. Where no point of that kind
  * was solved again, halves alone were heard, which agree. From the outside nothing is seen but sky:
- * of one ray in a hundred that met the inside instead, at its start, the light would be 0.2 % less.
+ * of one ray in a hundred that met the inside instead, at its start, the light would be 0.2 % less,
+ * and of a third, as where the inside is met, 7 %. Bent planes leave no more than 7 in a hundred.
  */
 static void sides_that_nobody_knows_are_stated(void **state)
 {
@@ -207,7 +208,7 @@ static void sides_that_nobody_knows_are_stated(void **state)
 	print_message("trough: stated %.3f, sides %.3f of share %.3f, octree %.3f; off %.3f or %.3f\n",
 				  e->relative_rms, e->sides, e->sides_share, e->geometry, sqrt(inside),
 				  sqrt(outside));
-	assert_true(sqrt(outside) < 0.002);
+	assert_true(sqrt(outside) < 0.015);
 	assert_true(e->points > 0 && fabs(e->sides_share - 0.5) < 0.02);
 	assert_true(e->sides > sqrt(0.5 * inside) && e->sides < 2.0 * sqrt(inside));
 	assert_true(e->relative_rms > is && e->relative_rms < 2.0 * sqrt(inside));
