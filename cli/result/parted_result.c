@@ -3,6 +3,7 @@
 
 #include "glowworm_host.h"
 #include "points/format.h"
+#include "options/output_columns.h"
 #include "program/signals.h"
 #include "result/lit_scan.h"
 #include "scene/glossy_points.h"
@@ -231,6 +232,8 @@ static gw_status start(const parted_result *r, output_file *out, double *exposur
 static gw_status write_head(const writer *w, const scan *lit, gw_error *error)
 {
 	const parted_result *r = w->result;
+	if (!r->settings->quiet)
+		output_columns_note(r->format, lit);
 	return r->format->parted->write_head(w->out, &r->scene->parted->whole, lit, error);
 }
 

@@ -3,6 +3,7 @@
 
 #include "glowworm_host.h"
 #include "points/scan_join.h"
+#include "options/output_columns.h"
 #include "program/signals.h"
 #include "result/lit_scan.h"
 #include "scene/glossy_points.h"
@@ -391,6 +392,8 @@ static gw_status write_all(const tiled_result *r, const settings *s, output_file
 	gw_status status = format_whole_row(kept->format, whole, &lit, &row, error);
 	if (status == GW_OK && kept->scene->parted->journal)
 		status = begin_anew(out, error);
+	if (status == GW_OK && !s->quiet)
+		output_columns_note(kept->format, &lit);
 	if (status == GW_OK)
 		status = to->write_head(out, whole, &lit, error);
 	scan_clear(&lit);

@@ -14,6 +14,7 @@
 #include "scene/region_text.h"
 #include "options/output_name.h"
 #include "options/output_scanners.h"
+#include "options/output_columns.h"
 #include "options/output_system.h"
 #include "options/progress.h"
 #include "options/quality_preset.h"
@@ -573,6 +574,8 @@ static gw_status write_points(bake *b)
 	if (!b->output)
 		return GW_OK;
 	GW_TRY(output_system_settle(b->format, &b->lit, b->settings->quiet, b->error));
+	if (!b->settings->quiet)
+		output_columns_note(b->format, &b->lit);
 	return b->format->write(b->output, &b->lit, b->error);
 }
 

@@ -3,6 +3,7 @@
 #include "files/output_file.h"
 #include "options/output_name.h"
 #include "options/output_scanners.h"
+#include "options/output_columns.h"
 #include "options/output_system.h"
 #include "pcd/pcd_format.h"
 #include "result/bake_columns.h"
@@ -154,6 +155,8 @@ static gw_status convert_whole(conversion *c, scan *cloud, gw_error *error)
 	GW_TRY(output_system_check_step(s, cloud, NULL, NULL, error));
 	GW_TRY(change(c, cloud, error));
 	GW_TRY(output_system_settle(c->to, cloud, s->quiet, error));
+	if (!s->quiet)
+		output_columns_note(c->to, cloud);
 	return c->to->write(c->out, cloud, error);
 }
 

@@ -112,6 +112,9 @@ gw_status verb_info(const settings *s, gw_error *error)
 {
 	if (s->devices && (s->input_count > 0 || s->places))
 		return gw_fail(error, GW_ERROR_USAGE, "--devices takes no files and lists no places");
+	if (s->places && s->stats)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "--places lists places and nothing else; --stats is for another run");
 	if (s->devices)
 		return list_devices(s, error);
 	if (s->input_count == 0)

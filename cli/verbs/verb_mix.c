@@ -12,6 +12,7 @@
 #include "files/output_file.h"
 #include "options/output_name.h"
 #include "options/output_scanners.h"
+#include "options/output_columns.h"
 #include "options/output_system.h"
 #include "options/preview.h"
 #include "options/progress.h"
@@ -286,6 +287,8 @@ static gw_status mix_whole(mixing *m)
 	}
 	if (status == GW_OK)
 		status = output_system_settle(m->format, &all.cloud, s->quiet, m->error);
+	if (status == GW_OK && !s->quiet)
+		output_columns_note(m->format, &all.cloud);
 	if (status == GW_OK)
 		status = m->format->write(m->output, &all.cloud, m->error);
 	clear_part(&all);

@@ -119,6 +119,9 @@ typedef struct format {
 	 *   name   of the file, for messages */
 	gw_status (*accept)(const scan *scan, const char *name, gw_error *error);
 
+	/* The names of all columns that it has room for, NULL-terminated; NULL: those of any. */
+	const char *const *columns;
+
 	/* What a point takes at least when it is written. */
 	size_t row_bytes; /* 0: what its columns take, */
 	bool text;        /* or a digit and a separator for each of them */

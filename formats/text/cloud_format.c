@@ -269,6 +269,9 @@ static const format_parted parted = {
 };
 
 static const char *const extensions[] = { "cloud", NULL };
+static const char *const columns[] = {
+	"x", "y", "z", "nx", "ny", "nz", "red", "green", "blue", NULL
+};
 
 const format cloud_format = {
 	.name = "cloud",
@@ -278,6 +281,7 @@ const format cloud_format = {
 	.count_rows = cloud_count_rows,
 	.read_rows = cloud_read_rows,
 	.accept = cloud_accept,
+	.columns = columns,
 	.row_bytes = SAMPLE_BYTES,
 	.write = cloud_write,
 	.parted = &parted,

@@ -35,3 +35,4 @@ run info
 run info --devices a.ply
 run info --format stl a.ply
 run --generate nothing
+run info --stats --places a.ply
