@@ -427,7 +427,7 @@ static bool is_below_parts(const walls *all, const gw_wall_shape *d)
 	return all->level > 0 && d->level > all->level;
 }
 
-/* The same of discs; of one that is not below parts alone, UINT32_MAX. */
+/* Notes the parts that discs pass; of a disc that makes walls above parts as well, UINT32_MAX. */
 static void find_passing(void *user, size_t first, size_t last, uint32_t worker)
 {
 	walls *all = user;
