@@ -91,6 +91,7 @@ typedef struct stray_step {
 	double *plane;          /* 4 * candidate_count: normal and half thickness; 0: is on none */
 	uint8_t *asked;         /* candidate_count: its plane is */
 	uint8_t *alone;         /* candidate_count: it is, as this round has it */
+	const uint8_t *wanted;  /* candidate_count: its neighbours are; NULL: those of all */
 	uint8_t *far;           /* candidate_count: which were when they were first looked at */
 	uint8_t *stray;         /* surfels->count: what was found */
 	size_t strays;
@@ -289,22 +290,22 @@ static bool is_gone(const stray_step *step, size_t candidate)
 	return step->stray[step->candidate[candidate]] > 0;
 }
 
-static void renew_far(void *user, size_t first, size_t last, uint32_t worker)
+static void renew_wanted(void *user, size_t first, size_t last, uint32_t worker)
 {
 	stray_step *step = user;
 	(void)worker;
 	for (size_t i = first; i < last; i++)
-		if (step->far[i] && !is_gone(step, i))
+		if (step->wanted[i] && !is_gone(step, i))
 			renew(step, i);
 }
 
-static void renew_asked(void *user, size_t first, size_t last, uint32_t worker)
+/* Knows the neighbours of the candidates that are wanted; false when memory is short. */
+static bool search_wanted(stray_step *step, const uint8_t *wanted)
 {
-	stray_step *step = user;
-	(void)worker;
-	for (size_t i = first; i < last; i++)
-		if (step->asked[i] && !is_gone(step, i))
-			renew(step, i);
+	step->wanted = wanted;
+	gw_parallel_for(step->threads, step->candidate_count, CHUNK, wanted ? renew_wanted : search_all,
+					step);
+	return !atomic_load(&step->failed);
 }
 
 /* The neighbours of a candidate relative to it, metres. */
@@ -675,14 +676,11 @@ static bool judge(stray_step *step)
 	memset(step->plane, 0, 4 * n * sizeof *step->plane);
 	memset(step->asked, 0, n);
 	memset(step->alone, 0, n);
-	gw_parallel_for(step->threads, n, CHUNK, step->again ? renew_far : search_all, step);
-	if (atomic_load(&step->failed))
+	if (!search_wanted(step, step->again ? step->far : NULL))
 		return false;
 	gw_parallel_for(step->threads, n, CHUNK, judge_far_off, step);
 	ask_for_planes(step);
-	if (step->again)
-		gw_parallel_for(step->threads, n, CHUNK, renew_asked, step);
-	if (atomic_load(&step->failed))
+	if (step->again && !search_wanted(step, step->asked))
 		return false;
 	gw_parallel_for(step->threads, n, CHUNK, find_planes, step);
 	gw_parallel_for(step->threads, n, CHUNK, judge_planes, step);
