@@ -19,7 +19,7 @@ static bool is_light(const char *name)
 	return strncmp(name, "scalar_radiance", 15) == 0;
 }
 
-void output_columns_note(const format *to, const scan *cloud)
+void output_columns_note(const format *to, const scan *cloud, bool quiet)
 {
 	const char *example = NULL;
 	size_t count = 0;
@@ -31,7 +31,7 @@ void output_columns_note(const format *to, const scan *cloud)
 			example = name;
 		count++;
 	}
-	if (count > 0)
+	if (count > 0 && !quiet)
 		fprintf(stderr,
 				"glowworm: note: a .%s has room for places, normals and colours alone: %zu "
 				"column%s left out, such as %s; a PLY has room for all\n",

@@ -137,8 +137,7 @@ static gw_status begin(parted_copy *c, const scan *first, gw_error *error)
 		row += c->format->text ? 2 : scan_type_size(first->column[k].type);
 	GW_TRY(output_file_check_room(c->path, row * c->whole.count, error));
 	c->begun = true;
-	if (!c->settings->quiet)
-		output_columns_note(c->format, first);
+	output_columns_note(c->format, first, c->settings->quiet);
 	return c->format->parted->write_head(c->output, &c->whole, first, error);
 }
 

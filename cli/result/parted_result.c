@@ -232,8 +232,7 @@ static gw_status start(const parted_result *r, output_file *out, double *exposur
 static gw_status write_head(const writer *w, const scan *lit, gw_error *error)
 {
 	const parted_result *r = w->result;
-	if (!r->settings->quiet)
-		output_columns_note(r->format, lit);
+	output_columns_note(r->format, lit, r->settings->quiet);
 	return r->format->parted->write_head(w->out, &r->scene->parted->whole, lit, error);
 }
 

@@ -392,10 +392,10 @@ static gw_status write_all(const tiled_result *r, const settings *s, output_file
 	gw_status status = format_whole_row(kept->format, whole, &lit, &row, error);
 	if (status == GW_OK && kept->scene->parted->journal)
 		status = begin_anew(out, error);
-	if (status == GW_OK && !s->quiet)
-		output_columns_note(kept->format, &lit);
-	if (status == GW_OK)
+	if (status == GW_OK) {
+		output_columns_note(kept->format, &lit, s->quiet);
 		status = to->write_head(out, whole, &lit, error);
+	}
 	scan_clear(&lit);
 	if (status == GW_OK)
 		status = write_parts(r, row, out, error);

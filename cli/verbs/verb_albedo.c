@@ -210,8 +210,7 @@ static gw_status run(settings *s, loaded_scene *scene, output_file **output, gw_
 	output_shift_settle_by(&s->shifting, &scene->cloud, s->quiet);
 	GW_TRY(output_shift_apply(&s->shifting, &scene->cloud, error));
 	GW_TRY(output_system_settle(to, &scene->cloud, s->quiet, error));
-	if (!s->quiet)
-		output_columns_note(to, &scene->cloud);
+	output_columns_note(to, &scene->cloud, s->quiet);
 	GW_TRY(to->write(*output, &scene->cloud, error));
 	return output_file_commit(output, error);
 }

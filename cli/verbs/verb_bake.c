@@ -574,8 +574,7 @@ static gw_status write_points(bake *b)
 	if (!b->output)
 		return GW_OK;
 	GW_TRY(output_system_settle(b->format, &b->lit, b->settings->quiet, b->error));
-	if (!b->settings->quiet)
-		output_columns_note(b->format, &b->lit);
+	output_columns_note(b->format, &b->lit, b->settings->quiet);
 	return b->format->write(b->output, &b->lit, b->error);
 }
 

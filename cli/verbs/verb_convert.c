@@ -155,8 +155,7 @@ static gw_status convert_whole(conversion *c, scan *cloud, gw_error *error)
 	GW_TRY(output_system_check_step(s, cloud, NULL, NULL, error));
 	GW_TRY(change(c, cloud, error));
 	GW_TRY(output_system_settle(c->to, cloud, s->quiet, error));
-	if (!s->quiet)
-		output_columns_note(c->to, cloud);
+	output_columns_note(c->to, cloud, s->quiet);
 	return c->to->write(c->out, cloud, error);
 }
 

@@ -287,10 +287,10 @@ static gw_status mix_whole(mixing *m)
 	}
 	if (status == GW_OK)
 		status = output_system_settle(m->format, &all.cloud, s->quiet, m->error);
-	if (status == GW_OK && !s->quiet)
-		output_columns_note(m->format, &all.cloud);
-	if (status == GW_OK)
+	if (status == GW_OK) {
+		output_columns_note(m->format, &all.cloud, s->quiet);
 		status = m->format->write(m->output, &all.cloud, m->error);
+	}
 	clear_part(&all);
 	return status;
 }

@@ -61,13 +61,6 @@ typedef struct void_part {
 	closings found; /* its own */
 } void_part;
 
-static uint32_t octant_of(const cell *of, uint32_t level)
-{
-	uint32_t shift = of->level - level;
-	return (uint32_t)(of->at[0] >> shift & 1) | (uint32_t)(of->at[1] >> shift & 1) << 1 |
-		   (uint32_t)(of->at[2] >> shift & 1) << 2;
-}
-
 static cell child_of(const cell *parent, uint32_t octant)
 {
 	cell of = { .level = parent->level + 1 };
@@ -238,7 +231,7 @@ static bool descend(const gw_compartments *c, const float *place, cell *of, uint
 	of->level++;
 	for (int k = 0; k < 3; k++)
 		of->at[k] = (int32_t)place[k] >> (c->depth - of->level);
-	*node = 8 * (to - 1) + octant_of(of, of->level);
+	*node = 8 * (to - 1) + gw_octant_above(of->at, 0);
 	return true;
 }
 

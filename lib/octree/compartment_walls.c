@@ -362,13 +362,6 @@ static void wall_below(walk *w, const gw_wall_shape *d, uint32_t level, uint32_t
 	}
 }
 
-/* The octant in a cell's parent, of a level, of the cell that one of a finer level lies in. */
-static uint32_t octant_of(const int32_t at[3], uint32_t finer)
-{
-	return (uint32_t)(at[0] >> finer & 1) | (uint32_t)(at[1] >> finer & 1) << 1 |
-		   (uint32_t)(at[2] >> finer & 1) << 2;
-}
-
 static void corner_of(const gw_compartments *c, const int32_t at[3], uint32_t level,
 					  float corner[3])
 {
@@ -382,13 +375,13 @@ static void wall_within(walk *w, const gw_wall_shape *d, uint32_t tile, uint32_t
 {
 	float corner[3];
 	for (uint32_t l = level; l < d->within; l++) {
-		uint32_t node = 8 * tile + octant_of(d->at, d->within - l), to = *child_at(w, node);
+		uint32_t node = 8 * tile + gw_octant_above(d->at, d->within - l), to = *child_at(w, node);
 		if (to == GW_WALL || (to == 0 && !divide(w, node)))
 			return;
 		tile = *child_at(w, node) - 1;
 	}
 	corner_of(w->walls->c, d->at, d->within, corner);
-	wall_at(w, d, d->within, 8 * tile + octant_of(d->at, 0), corner);
+	wall_at(w, d, d->within, 8 * tile + gw_octant_above(d->at, 0), corner);
 }
 
 /* --------------------------------------------------------------------------------------- parts */
@@ -456,7 +449,7 @@ static void enter(walk *w, uint32_t number)
 							(int32_t)(number >> 2 * PARTS_LEVEL & mask) };
 	uint32_t tile = 0;
 	for (uint32_t l = 1; l <= level; l++) {
-		uint32_t node = 8 * tile + octant_of(at, level - l), to = *child_at(w, node);
+		uint32_t node = 8 * tile + gw_octant_above(at, level - l), to = *child_at(w, node);
 		if (to == GW_WALL || (to == 0 && !divide(w, node)))
 			return;
 		tile = *child_at(w, node) - 1;

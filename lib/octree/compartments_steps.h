@@ -48,6 +48,13 @@ gw_compartment_cell gw_compartment_child(const gw_compartments *c, gw_compartmen
 /* Frees what is not needed once cells are joined. */
 void gw_compartments_drop_necks(gw_compartments *c);
 
+/* In which octant of its parent a cell lies that is so many levels above the one at a place. */
+static inline uint32_t gw_octant_above(const int32_t at[3], uint32_t levels)
+{
+	return (uint32_t)(at[0] >> levels & 1) | (uint32_t)(at[1] >> levels & 1) << 1 |
+		   (uint32_t)(at[2] >> levels & 1) << 2;
+}
+
 /* How far the middle of a cell, so many leaves wide, lies before a plane of a place and a normal in
  * leaf cells; reach receives from where on all of the cell does. */
 static inline float gw_cell_before_plane(const float *place, const float *normal,
