@@ -6,6 +6,7 @@
 #include "base/luminance.h"
 #include "base/memory.h"
 #include "base/nth_element.h"
+#include "surfels/surfel_plane.h"
 
 #include <float.h>
 #include <math.h>
@@ -17,9 +18,22 @@
  * the second. */
 #define ON_SURFACE 0.5f
 
-/* From this share on it is solid, and says what a point stands for. What is in between, as beside
- * leaves and in corners, does neither. */
+/* From this share on it is solid, and says what a point stands for. What is in between is beside
+ * leaves, in corners, or on wires whose points lie in rows, so that many of one side are alike. */
 #define SOLID 0.9f
+
+/* In the midst of what is solid a point is alone, as strays are, if fewer of its own neighbours
+ * than this lie on a surface with it. */
+#define ALONE 0.3f
+
+/* Both are loose as well if their disc is wide. It is so for some of its neighbours, whose discs
+ * are not half as wide: a sparse room has none such. And it is for what is solid, near it and
+ * everywhere: so many times the most that a point stands for there, where a disc of even points has
+ * GW_DISC_RANK times as much. Where half of a room is dense and the rest so sparse that none of it
+ * is solid, walls stay shut with this (tests/physics/test_leaks.c), and not with 2. */
+#define NARROW_NEIGHBOURS 2u
+#define WIDE_NEAR (2.5f * (float)GW_DISC_RANK)
+#define WIDE_EVERYWHERE (4.0f * (float)GW_DISC_RANK)
 
 /* Half thickness of a surface, in distances of the furthest neighbour, as in surfel_plane.c. */
 #define SLAB 0.35
@@ -30,18 +44,27 @@
 
 #define NO_SLOT UINT32_MAX
 
+typedef enum looseness { IN_BETWEEN, LOOSE, LOOSE_IF_WIDE } looseness;
+
+/* What a point stands for on the solid surface near one, m^2. */
+typedef struct stood_for {
+	float mean, most;
+} stood_for;
+
 typedef struct loose_step {
 	const gw_surfels *surfels;
 	const float *share; /* count, of neighbours: what the means are taken of */
+	float median;       /* m^2, of what is solid: what a point stands for */
 	float *mean;        /* count, receives them */
-	uint32_t *slot;     /* count, of the row of a point that is not solid, or NO_SLOT */
-	uint32_t *row;      /* GW_NEIGHBOURS for each slot: its neighbours */
-	uint32_t *surfel;   /* of each slot */
-	uint8_t *loose;     /* of each slot: it is, instead of in between */
-	float *area;        /* of each slot: what a point stands for there; 0: not known yet */
+	uint8_t *alone; /* count, receives 1 for points of whose neighbours few lie on their surface */
+	uint32_t *slot; /* count, of the row of a point that is not solid, or NO_SLOT */
+	uint32_t *row;  /* GW_NEIGHBOURS for each slot: its neighbours */
+	uint32_t *surfel; /* of each slot */
+	uint8_t *loose;   /* of each slot: one of looseness */
+	stood_for *area;  /* of each slot: what a point stands for there; 0: not known yet */
 	size_t slots, loose_count;
-	uint32_t *open; /* slots whose area is not known yet */
-	float *found;   /* of each of these: its area, or 0 */
+	uint32_t *open;   /* slots whose area is not known yet */
+	stood_for *found; /* of each of these: its area, or 0 */
 } loose_step;
 
 /* Cosine between two surfels that lie in one slab; 0: they do not. */
@@ -68,7 +91,9 @@ static void measure(void *user, size_t surfel, const gw_neighbour_list *list)
 		opposite += cosine < -(float)GW_SAME_SURFACE ? 0.5f : 0.0f;
 	}
 	bool tells = list->count == GW_NEIGHBOURS;
-	step->mean[surfel] = tells ? (alike + opposite) / ((float)GW_NEIGHBOURS - opposite) : 1.0f;
+	float share = tells ? (alike + opposite) / ((float)GW_NEIGHBOURS - opposite) : 1.0f;
+	step->mean[surfel] = share;
+	step->alone[surfel] = share < ALONE;
 }
 
 static void average(void *user, size_t surfel, const gw_neighbour_list *list)
@@ -101,12 +126,37 @@ static bool emits(const gw_surfels *s, size_t i)
 	return s->emission && gw_luminance(s->emission + 3 * i) > 0.0;
 }
 
-/* Gives each point that is not solid its slot, if any is loose. */
+static float disc_area(const gw_surfels *s, size_t i)
+{
+	return (float)M_PI * s->radius[i] * s->radius[i];
+}
+
+/* By its mean shares of its neighbours, and of those up to about twice as far. */
+static looseness how_loose(const loose_step *step, const float *once, const float *wide, size_t i)
+{
+	if (once[i] < ON_SURFACE && wide[i] < ON_SURFACE)
+		return LOOSE;
+	bool in_between = once[i] < SOLID && (wide[i] < SOLID || step->alone[i]);
+	bool is_wide = disc_area(step->surfels, i) > WIDE_EVERYWHERE * step->median;
+	return in_between && is_wide ? LOOSE_IF_WIDE : IN_BETWEEN;
+}
+
+/*   room   count, for what is solid */
+static float solid_median(const gw_surfels *s, const float *once, float *room)
+{
+	size_t solid = 0;
+	for (size_t i = 0; i < s->count; i++)
+		if (!(once[i] < SOLID))
+			room[solid++] = s->area[i];
+	return solid > 0 ? gw_nth_element(room, solid, solid / 2) : INFINITY;
+}
+
+/* Gives each point that is not solid its slot, if any may be loose. */
 static gw_status choose(const float *once, const float *wide, loose_step *step, gw_error *error)
 {
 	size_t n = step->surfels->count, at = 0;
 	for (size_t i = 0; i < n; i++) {
-		step->loose_count += once[i] < ON_SURFACE && wide[i] < ON_SURFACE;
+		step->loose_count += how_loose(step, once, wide, i) != IN_BETWEEN;
 		step->slots += once[i] < SOLID;
 	}
 	if (step->loose_count == 0)
@@ -121,9 +171,18 @@ static gw_status choose(const float *once, const float *wide, loose_step *step, 
 	for (size_t i = 0; i < n; i++) {
 		step->slot[i] = once[i] < SOLID ? (uint32_t)at : NO_SLOT;
 		if (once[i] < SOLID)
-			step->loose[at++] = once[i] < ON_SURFACE && wide[i] < ON_SURFACE;
+			step->loose[at++] = (uint8_t)how_loose(step, once, wide, i);
 	}
 	return GW_OK;
+}
+
+static bool is_wide_for_neighbours(const gw_surfels *s, size_t surfel,
+								   const gw_neighbour_list *list)
+{
+	uint32_t narrow = 0;
+	for (uint32_t j = 0; j < list->count; j++)
+		narrow += 2.0f * s->radius[list->index[j]] < s->radius[surfel];
+	return narrow >= NARROW_NEIGHBOURS;
 }
 
 static void keep_row(void *user, size_t surfel, const gw_neighbour_list *list)
@@ -133,23 +192,28 @@ static void keep_row(void *user, size_t surfel, const gw_neighbour_list *list)
 	if (slot == NO_SLOT)
 		return;
 	step->surfel[slot] = (uint32_t)surfel;
+	if (step->loose[slot] == LOOSE_IF_WIDE && !is_wide_for_neighbours(step->surfels, surfel, list))
+		step->loose[slot] = IN_BETWEEN;
 	for (uint32_t j = 0; j < GW_NEIGHBOURS; j++)
 		step->row[GW_NEIGHBOURS * (size_t)slot + j] =
 			j < list->count ? list->index[j] : (uint32_t)surfel;
 }
 
-/* The mean of what is known among the neighbours; 0: nothing. */
-static float known_around(const loose_step *step, size_t slot)
+/* The mean of what is known among the neighbours, and the most; 0: nothing. */
+static stood_for known_around(const loose_step *step, size_t slot)
 {
 	double sum = 0.0;
+	float most = 0.0f;
 	uint32_t known = 0;
 	for (uint32_t j = 0; j < GW_NEIGHBOURS; j++) {
 		uint32_t other = step->row[GW_NEIGHBOURS * slot + j], its = step->slot[other];
-		float area = its == NO_SLOT ? step->surfels->area[other] : step->area[its];
-		sum += (double)area;
-		known += area > 0.0f;
+		float solid = step->surfels->area[other];
+		stood_for area = its == NO_SLOT ? (stood_for){ solid, solid } : step->area[its];
+		sum += (double)area.mean;
+		most = fmaxf(most, area.most);
+		known += area.mean > 0.0f;
 	}
-	return known > 0 ? (float)(sum / known) : 0.0f;
+	return known > 0 ? (stood_for){ (float)(sum / known), most } : (stood_for){ 0.0f, 0.0f };
 }
 
 static void look_around(void *user, size_t first, size_t last, uint32_t worker)
@@ -166,7 +230,7 @@ static size_t take_found(const loose_step *step, size_t count)
 	size_t kept = 0;
 	for (size_t i = 0; i < count; i++) {
 		step->area[step->open[i]] = step->found[i];
-		if (!(step->found[i] > 0.0f))
+		if (!(step->found[i].mean > 0.0f))
 			step->open[kept++] = step->open[i];
 	}
 	return kept;
@@ -191,22 +255,15 @@ static gw_status spread_areas(gw_neighbours *search, loose_step *step, gw_error 
 	return GW_OK;
 }
 
-static float solid_median(const loose_step *step, float *room)
-{
-	size_t solid = 0;
-	for (size_t i = 0; i < step->surfels->count; i++)
-		if (step->slot[i] == NO_SLOT)
-			room[solid++] = step->surfels->area[i];
-	return solid > 0 ? gw_nth_element(room, solid, solid / 2) : INFINITY;
-}
-
-static void bound_discs(const loose_step *step, const uint8_t *fixed, float median, gw_surfels *s)
+static void bound_discs(const loose_step *step, const uint8_t *fixed, gw_surfels *s)
 {
 	for (size_t slot = 0; slot < step->slots; slot++) {
 		size_t i = step->surfel[slot];
-		float area = step->area[slot] > 0.0f ? step->area[slot] : median;
-		if (!step->loose[slot] || fixed[i] || emits(s, i) ||
-			!((float)M_PI * s->radius[i] * s->radius[i] > area))
+		bool known = step->area[slot].mean > 0.0f;
+		float area = known ? step->area[slot].mean : step->median;
+		float most = known ? step->area[slot].most : step->median;
+		float from = step->loose[slot] == LOOSE_IF_WIDE ? WIDE_NEAR * most : area;
+		if (step->loose[slot] == IN_BETWEEN || fixed[i] || emits(s, i) || !(disc_area(s, i) > from))
 			continue;
 		s->radius[i] = fmaxf(sqrtf(area / (float)M_PI), FLT_MIN);
 		s->area[i] = fminf(s->area[i], area);
@@ -221,20 +278,24 @@ gw_status gw_loose_points_bound(gw_neighbours *search, const uint8_t *fixed, gw_
 	float *mean[3] = { gw_allocate_array(n, sizeof(float)), gw_allocate_array(n, sizeof(float)),
 					   gw_allocate_array(n, sizeof(float)) };
 	gw_status status = GW_OK;
-	if (!mean[0] || !mean[1] || !mean[2])
+	step.alone = gw_allocate_array(n, sizeof *step.alone);
+	if (!mean[0] || !mean[1] || !mean[2] || !step.alone)
 		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the leaves of %zu points", n);
 	if (status == GW_OK)
 		status = measure_shares(search, &step, mean, error);
-	if (status == GW_OK)
+	if (status == GW_OK) {
+		step.median = solid_median(surfels, mean[0], mean[1]);
 		status = choose(mean[0], mean[2], &step, error);
+	}
 	if (status == GW_OK && step.loose_count > 0)
 		status = gw_neighbours_visit_reach(search, keep_row, &step, error);
 	if (status == GW_OK && step.loose_count > 0)
 		status = spread_areas(search, &step, error);
 	if (status == GW_OK && step.loose_count > 0)
-		bound_discs(&step, fixed, solid_median(&step, mean[0]), surfels);
+		bound_discs(&step, fixed, surfels);
 	for (int k = 0; k < 3; k++)
 		free(mean[k]);
+	free(step.alone);
 	free(step.slot);
 	free(step.row);
 	free(step.surfel);

@@ -5,7 +5,8 @@
  * Most of the neighbours of such a point lie on other leaves, and the few that face as it does on
  * several: a disc that reached to them would be a plate in the air, wider than the leaf. Nothing
  * around says how wide that is. But beams meet leaves as often as they meet walls, so a point on a
- * leaf stands for as much area as one on the solid surface near it.
+ * leaf stands for as much area as one on the solid surface near it. So does one on a wire across
+ * which others run, or that floats before a wall, if its disc is wide for that surface.
  */
 #ifndef LOOSE_POINTS_H
 #define LOOSE_POINTS_H

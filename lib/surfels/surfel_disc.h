@@ -15,9 +15,6 @@
 gw_status gw_discs_make(gw_neighbours *search, const gw_lone_points *lone, gw_surfels *surfels,
 						bool rough_area, float *gap, gw_error *error);
 
-/* The disc reaches to this neighbour on the surface. */
-#define GW_DISC_RANK 8
-
 /*
  * Makes discs narrower that are wider than their neighbours' allow; part of gw_discs_make, see
  * disc_width.c. Changes radius and area.

@@ -14,6 +14,10 @@
 /* A little more, so that directions 60 degrees apart are enough. */
 #define GW_COS_60 0.5001
 
+/* Discs reach to this neighbour on their surface: where points are even, that is as far as covers
+ * so many times what each stands for. */
+#define GW_DISC_RANK 8
+
 /* Cosine and sine of the directions, evenly around. */
 extern const double gw_direction[GW_DIRECTIONS][2];
 

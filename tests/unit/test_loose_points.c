@@ -18,7 +18,8 @@
 #define COUNT (FLOOR + 20000)
 #define LOW 2.0 /* the crown: from here to HIGH, as wide as the floor; both in spacings of it */
 #define HIGH 20.0
-#define WIDE 100.0f /* radius of all discs before */
+#define WIDE 100.0f /* radius of the crown's discs before */
+#define EVEN 1.5f   /* of the floor's */
 #define PI 3.14159265358979323846
 
 static double position[3 * COUNT];
@@ -57,7 +58,13 @@ static bool is_at_end(void *user)
 	return ++p->asked > p->most;
 }
 
-/* The surfels of the tree: all discs wide, and areas that grow from 1 to 2 along the floor. */
+static bool is_of_floor(const gw_surfels *s, size_t i)
+{
+	return (double)s->position[3 * i + 2] + s->origin[2] < 0.5 * LOW;
+}
+
+/* The surfels of the tree: the crown's discs wide, and areas that grow from 1 to 2 along the floor.
+ */
 typedef struct tree {
 	gw_surfels_options options;
 	gw_surfels surfels;
@@ -79,7 +86,7 @@ static void open_tree(tree *t, uint32_t threads)
 	t->fixed = calloc(s->count, 1);
 	assert_true(s->radius && s->area && t->fixed);
 	for (size_t i = 0; i < s->count; i++) {
-		s->radius[i] = WIDE;
+		s->radius[i] = is_of_floor(s, i) ? EVEN : WIDE;
 		s->area[i] = 1.0f + s->position[3 * i] / (s->maximum[0] - s->minimum[0]);
 	}
 	assert_ok(gw_neighbours_open(s, &t->options, &t->search, &error), &error);
@@ -106,6 +113,10 @@ static void areas_of_the_floor_go_up(void **state)
 	size_t bounded = 0, count = one.surfels.count;
 	for (size_t i = 0; i < count; i++) {
 		double radius = (double)one.surfels.radius[i], area = PI * radius * radius;
+		if (is_of_floor(&one.surfels, i)) {
+			assert_true(radius == (double)EVEN);
+			continue;
+		}
 		if (radius == (double)WIDE)
 			continue;
 		assert_true(area > 1.0 - 1e-5 && area < 2.0 + 1e-5); /* of floats */
@@ -154,7 +165,7 @@ static void it_stops_on_the_way_up(void **state)
 						 GW_ERROR_CANCELLED);
 		assert_int_equal(t.patience.asked, of_visits + more + 1);
 		for (size_t i = 0; i < t.surfels.count; i++)
-			assert_true(t.surfels.radius[i] == WIDE);
+			assert_true(t.surfels.radius[i] == (is_of_floor(&t.surfels, i) ? EVEN : WIDE));
 		close_tree(&t);
 	}
 }
