@@ -208,6 +208,30 @@ static bool list_level(gw_neighbour_scales *scales, int level, size_t surfel,
 	return true;
 }
 
+/* Of cells that wide, or a little narrower; below 0 where the cloud itself is smaller. */
+static int level_of_width(const gw_neighbour_scales *scales, double width)
+{
+	return LEVELS - 1 - (int)floor(log2(fmax(width * scales->per_metre, 1)));
+}
+
+bool gw_neighbour_scales_around(gw_neighbour_scales *scales, size_t surfel, double width,
+								uint32_t most, uint32_t *index, uint32_t *count)
+{
+	int level = level_of_width(scales, width), found[GW_NEIGHBOURS_WIDE];
+	float squared[GW_NEIGHBOURS_WIDE], query[3];
+	*count = 0;
+	if (!(scales->per_metre > 0) || level < 0)
+		return true;
+	const thinned *t = level_of(scales, level);
+	size_t k = t && t->count < most ? t->count : most;
+	gw_unit_place(scales->surfels, surfel, scales->scale, query);
+	if (!t || !gw_neighbour_index_search(t->index, query, 1, k, found, squared))
+		return false;
+	for (; *count < k; (*count)++)
+		index[*count] = t->surfel[found[*count]];
+	return true;
+}
+
 bool gw_neighbour_scales_widen(gw_neighbour_scales *scales, size_t surfel, gw_neighbour_list *list)
 {
 	const gw_surfels *s = scales->surfels;
@@ -218,7 +242,7 @@ bool gw_neighbour_scales_widen(gw_neighbour_scales *scales, size_t surfel, gw_ne
 	if (!is_denser_there(scales, list, &failed))
 		return !failed;
 	double width = FIRST_WIDTH * (double)list->distance[list->count - 1], least = STILL_ASIDE;
-	int level = LEVELS - 1 - (int)floor(log2(fmax(width * scales->per_metre, 1)));
+	int level = level_of_width(scales, width);
 	for (int tries = 0; tries < TRIES && level >= 0 && least > ONE_SIDED; tries++, level--) {
 		gw_neighbour_list wider;
 		if (!list_level(scales, level, surfel, &nearest, &wider))

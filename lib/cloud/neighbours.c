@@ -31,15 +31,30 @@
 #define STRIP_SHARE 0.25
 #define STRIP_NOISE 2.0
 #define STRIP_ACROSS 0.5 /* of the variance across a strip: as much is along the normal */
-#define AXIS_ROUNDS 6    /* of power iteration: each leaves below a third of what an axis is off */
+
+/*
+ * Points lie in rows, as those of a scanner with some dozens of beams, where most lists of a chunk,
+ * of so many, are strips. There noise may be as large as half of a list is long, and where beams
+ * graze the surface little of it is along the normal.
+ */
+#define ROW_PLACES 64u
+#define ROW_SHARE 0.45 /* as STRIP_SHARE there */
+#define ROW_ACROSS 0.1 /* as STRIP_ACROSS */
+
+/* With normals, a row's surface goes on where so many neighbours beside it, three quarters of them,
+ * face alike and lie no further off its plane for their distance. */
+#define BESIDE_LEAST 4u
+#define ROW_SLOPE 0.35
+
+#define AXIS_ROUNDS 6 /* of power iteration: each leaves below a third of what an axis is off */
 
 /* Of a list that was widened: how many are the nearest; and the least distance between the others,
  * relative to the reach of the wide search, with which some ten of them fit. */
 #define NEAREST_KEPT (GW_NEIGHBOURS / 2)
 #define SPREAD 0.37
 
-/* Marks the first index of a stored list that was widened, and the second one where that was done
- * to the surfel's own scale; indices are below 2^30. */
+/* Marks the first index of a stored list that was widened, the second one where that was done to
+ * the surfel's own scale, and the third one where points lie in rows; indices are below 2^30. */
 #define WIDENED (1u << 31)
 #define NO_NEIGHBOUR (UINT32_MAX & ~WIDENED)
 
@@ -187,7 +202,7 @@ static void insert_neighbour(gw_neighbour_list *list, uint32_t index, float dist
 	list->distance[at] = distance;
 }
 
-static void fill_list(gw_neighbours *search, size_t surfel, const int *found,
+static void fill_list(const gw_neighbours *search, size_t surfel, const int *found,
 					  gw_neighbour_list *list)
 {
 	list->count = 0;
@@ -197,6 +212,7 @@ static void fill_list(gw_neighbours *search, size_t surfel, const int *found,
 			insert_neighbour(list, other, (float)distance_between(search->surfels, surfel, other));
 	}
 	list->complete = list->count;
+	list->in_rows = false;
 }
 
 /* A surfel that may become a neighbour. */
@@ -308,38 +324,66 @@ static double trace_of(const spread *of)
 }
 
 /* Whether the neighbours of a list are a strip, narrower than it is long. */
-static bool is_strip(const spread *list)
+static bool is_strip(const spread *list, double share)
 {
 	spread rest = *list;
 	double axis[3];
 	take_largest(&rest, axis);
-	return trace_of(&rest) < STRIP_SHARE * trace_of(list);
+	return trace_of(&rest) < share * trace_of(list);
 }
 
-/* Whether what lies around a strip is flat, the strip across it, and no thinner than all of it. */
-static bool is_noise_across(const gw_surfels *s, size_t surfel, const spread *list,
-							const wide_search *wide)
+/* The least direction of a spread, not of unit length, out of its two largest. */
+static void take_normal(const spread *of, double normal[3])
 {
-	const spread all = find_spread(s, surfel, wide->index, wide->count);
-	spread rest = all, across = *list;
+	spread rest = *of;
 	double a[3], b[3];
 	take_largest(&rest, a);
 	take_largest(&rest, b);
-	const double normal[3] = { a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2],
-							   a[0] * b[1] - a[1] * b[0] };
-	double square = dot(normal, normal), own = spread_along(list, normal);
-	take_largest(&across, a);
-	return own > STRIP_ACROSS * square * trace_of(&across) &&
-		   spread_along(&all, normal) < STRIP_NOISE * own;
+	for (int k = 0; k < 3; k++)
+		normal[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
 }
 
-/* The candidates that are seen at 30 degrees or more from the line on which the nearest lie. */
-static uint32_t leave_line(const gw_surfels *s, size_t surfel, const gw_neighbour_list *list,
-						   const wide_search *wide, neighbour *candidate)
+/* Whether what lies around a strip is flat, the strip across it, and no thinner than all of it.
+ *   across_least   share of the variance across the strip that is along the normal */
+static bool is_noise_across(const spread *strip, const spread *around, double across_least)
 {
-	double axis[3], d[3];
+	spread across = *strip;
+	double normal[3], axis[3], own;
+	take_normal(around, normal);
+	take_largest(&across, axis);
+	own = spread_along(strip, normal);
+	return own > across_least * dot(normal, normal) * trace_of(&across) &&
+		   spread_along(around, normal) < STRIP_NOISE * own;
+}
+
+/*
+ * Where all that a wide search found is a strip as well, such as one ring of a scanner with few,
+ * searches the cloud thinned to cells as wide as half of the list's reach. False where it is none.
+ */
+static bool search_wider(gw_neighbours *search, size_t surfel, double reach,
+						 const wide_search *wide, wide_search *wider)
+{
+	const gw_surfels *s = search->surfels;
+	const spread all = find_spread(s, surfel, wide->index, wide->count);
+	if (!is_strip(&all, STRIP_SHARE))
+		return false;
+	*wider = (wide_search){ .centre = surfel };
+	if (!gw_neighbour_scales_around(search->scales, surfel, 0.5 * reach, GW_NEIGHBOURS_WIDE,
+									wider->index, &wider->count)) {
+		atomic_store(&search->out_of_memory, true);
+		return false;
+	}
+	for (uint32_t j = 0; j < wider->count; j++)
+		wider->reach = fmax(wider->reach, distance_between(s, surfel, wider->index[j]));
+	return wider->count > 0;
+}
+
+/* The candidates that are seen at 30 degrees or more from the line along which the nearest lie. */
+static uint32_t leave_line(const gw_surfels *s, size_t surfel, const gw_neighbour_list *list,
+						   const double axis[3], const wide_search *wide, neighbour *candidate)
+{
+	double d[3];
 	uint32_t count = 0;
-	offset_of(s, surfel, list->index[NEAREST_KEPT - 1], axis);
 	for (uint32_t j = 0; j < wide->count; j++) {
 		uint32_t other = wide->index[j];
 		offset_of(s, surfel, other, d);
@@ -364,28 +408,17 @@ static uint32_t nearest_candidate(const neighbour *candidate, uint32_t count)
 }
 
 /*
- * Where the nearest neighbours lie on a line, replaces the second half of a list by the nearest
- * candidates beside the line that are `apart` or more from each other. What is a line even then,
- * such as a wire, keeps its list.
+ * Replaces the second half of a list by the nearest candidates beside a line that are `apart` or
+ * more from each other. False where there are none.
  */
-static void widen_list(gw_neighbours *search, size_t surfel, wide_search *wide,
-					   gw_neighbour_list *list)
+static bool take_beside(const gw_surfels *s, size_t surfel, const double axis[3],
+						const wide_search *wide, gw_neighbour_list *list)
 {
-	const gw_surfels *s = search->surfels;
 	neighbour candidate[GW_NEIGHBOURS_WIDE];
-	if (list->count < GW_NEIGHBOURS)
-		return;
-	const spread own = find_spread(s, surfel, list->index, list->count);
-	bool line = lies_on_line(s, surfel, list, NEAREST_KEPT, LINE_SHARE_NEAREST) ||
-				lies_on_line(s, surfel, list, list->count, LINE_SHARE);
-	if (!line && (s->normals_given == s->count || !is_strip(&own)))
-		return;
-	if (!search_wide(search, surfel, wide) || (!line && !is_noise_across(s, surfel, &own, wide)))
-		return;
-	uint32_t count = leave_line(s, surfel, list, wide, candidate);
-	if (count == 0)
-		return;
+	uint32_t count = leave_line(s, surfel, list, axis, wide, candidate);
 	double apart = SPREAD * wide->reach;
+	if (count == 0)
+		return false;
 	list->count = list->complete = NEAREST_KEPT;
 	while (count > 0 && list->count < GW_NEIGHBOURS) {
 		neighbour taken = candidate[nearest_candidate(candidate, count)];
@@ -397,6 +430,76 @@ static void widen_list(gw_neighbours *search, size_t surfel, wide_search *wide,
 				candidate[left++] = candidate[j];
 		count = left;
 	}
+	return true;
+}
+
+/* Whether a surfel's surface goes on, by its normals, where its widened list has neighbours beside
+ * the line. */
+static bool goes_on_beside(const gw_surfels *s, size_t surfel, const gw_neighbour_list *list)
+{
+	const float *n = s->normal + 3 * surfel;
+	uint32_t beside = list->count - list->complete, level = 0;
+	double d[3];
+	for (uint32_t j = list->complete; j < list->count; j++) {
+		const float *m = s->normal + 3 * (size_t)list->index[j];
+		double cosine = (double)(n[0] * m[0] + n[1] * m[1] + n[2] * m[2]);
+		offset_of(s, surfel, list->index[j], d);
+		double height = d[0] * (double)n[0] + d[1] * (double)n[1] + d[2] * (double)n[2];
+		level += cosine > GW_SAME_SURFACE && fabs(height) < ROW_SLOPE * sqrt(dot(d, d));
+	}
+	return beside >= BESIDE_LEAST && 4 * level >= 3 * beside;
+}
+
+/* Widens the list of a strip in a cloud in rows, if what is found beside it shows that it is one of
+ * noise. */
+static bool widen_strip(const gw_surfels *s, size_t surfel, const spread *strip,
+						const wide_search *wide, gw_neighbour_list *list)
+{
+	gw_neighbour_list wider = *list;
+	spread rest = *strip;
+	double axis[3];
+	take_largest(&rest, axis);
+	if (!take_beside(s, surfel, axis, wide, &wider))
+		return false;
+	const spread around = find_spread(s, surfel, wider.index, wider.count);
+	bool given = s->normals_given == s->count;
+	if (!(given ? goes_on_beside(s, surfel, &wider) : is_noise_across(strip, &around, ROW_ACROSS)))
+		return false;
+	*list = wider;
+	return true;
+}
+
+/*
+ * Widens a list where the nearest neighbours lie on a line, or on a strip that noise has made of
+ * one. What is a line even then, such as a wire, keeps its list.
+ */
+static void widen_list(gw_neighbours *search, size_t surfel, wide_search *wide,
+					   gw_neighbour_list *list)
+{
+	const gw_surfels *s = search->surfels;
+	wide_search wider;
+	double axis[3];
+	if (list->count < GW_NEIGHBOURS)
+		return;
+	const spread own = find_spread(s, surfel, list->index, list->count);
+	bool line = lies_on_line(s, surfel, list, NEAREST_KEPT, LINE_SHARE_NEAREST) ||
+				lies_on_line(s, surfel, list, list->count, LINE_SHARE);
+	double share = list->in_rows ? ROW_SHARE : STRIP_SHARE;
+	bool given = s->normals_given == s->count;
+	if (!line && ((given && !list->in_rows) || !is_strip(&own, share)))
+		return;
+	if (!search_wide(search, surfel, wide))
+		return;
+	if (!line && list->in_rows) {
+		if (!widen_strip(s, surfel, &own, wide, list) &&
+			search_wider(search, surfel, (double)list->distance[list->count - 1], wide, &wider))
+			widen_strip(s, surfel, &own, &wider, list);
+		return;
+	}
+	const spread all = find_spread(s, surfel, wide->index, wide->count);
+	offset_of(s, surfel, list->index[NEAREST_KEPT - 1], axis);
+	if (line || is_noise_across(&own, &all, STRIP_ACROSS))
+		take_beside(s, surfel, axis, wide, list);
 }
 
 static void store_list(gw_neighbours *search, size_t surfel, const gw_neighbour_list *list)
@@ -408,6 +511,8 @@ static void store_list(gw_neighbours *search, size_t surfel, const gw_neighbour_
 		stored[0] |= WIDENED;
 	if (list->complete == GW_SCALED_NEAREST && list->count > GW_SCALED_NEAREST)
 		stored[1] |= WIDENED;
+	if (list->in_rows)
+		stored[2] |= WIDENED;
 }
 
 static void restore_list(const gw_neighbours *search, size_t surfel, gw_neighbour_list *list)
@@ -417,7 +522,8 @@ static void restore_list(const gw_neighbours *search, size_t surfel, gw_neighbou
 	while (count > 0 && stored[count - 1] == NO_NEIGHBOUR)
 		count--;
 	memcpy(list->index, stored, count * sizeof *stored);
-	for (uint32_t j = 0; j < 2 && j < count; j++)
+	list->in_rows = count > 2 && (stored[2] & WIDENED);
+	for (uint32_t j = 0; j < 3 && j < count; j++)
 		list->index[j] &= ~WIDENED;
 	list->count = count;
 	bool widened = list->count > 0 && (stored[0] & WIDENED);
@@ -438,6 +544,23 @@ static bool asks_to_stop(gw_neighbours *search)
 {
 	const gw_surfels_options *o = search->options;
 	return atomic_load(&search->stopped) || (o->cancelled && o->cancelled(o->user));
+}
+
+/* Whether most lists of a chunk are lines or strips. */
+static bool lies_in_rows(const gw_neighbours *search, size_t first, size_t last,
+						 const chunk_result *result)
+{
+	const gw_surfels *s = search->surfels;
+	size_t k = search->per_surfel + 1u, places = 0, strips = 0;
+	if (search->per_surfel < GW_NEIGHBOURS)
+		return false;
+	for (size_t i = first; i < last; i += CHUNK / ROW_PLACES, places++) {
+		gw_neighbour_list list;
+		fill_list(search, i, result->found + (i - first) * k, &list);
+		const spread own = find_spread(s, i, list.index, list.count);
+		strips += is_strip(&own, STRIP_SHARE);
+	}
+	return 2 * strips > places;
 }
 
 static bool search_chunk(const gw_neighbours *search, size_t first, size_t last,
@@ -464,12 +587,14 @@ static void visit_chunk(void *user, size_t first, size_t last, uint32_t worker)
 		atomic_store(&search->out_of_memory, true);
 		return;
 	}
+	bool in_rows = searching && lies_in_rows(search, first, last, result);
 	for (size_t i = first; i < last; i++) {
 		gw_neighbour_list list;
 		if (searching) {
 			fill_list(search, i, result->found + (i - first) * k, &list);
 			if (!gw_neighbour_scales_widen(search->scales, i, &list))
 				atomic_store(&search->out_of_memory, true);
+			list.in_rows = in_rows && list.count == GW_NEIGHBOURS;
 			if (list.complete == list.count)
 				widen_list(search, i, &result->wide, &list);
 		} else {
@@ -600,7 +725,7 @@ void gw_neighbours_at(gw_neighbours *search, const double place[3], gw_neighbour
 	size_t k = count < GW_NEIGHBOURS_AT ? count : GW_NEIGHBOURS_AT;
 	for (size_t axis = 0; axis < 3; axis++)
 		query[axis] = (float)(place[axis] * search->scale);
-	list->count = list->complete = 0;
+	*list = (gw_neighbour_list){ .count = 0 };
 	if (!gw_neighbour_index_search(search->index, query, 1, k, found, squared)) {
 		atomic_store(&search->out_of_memory, true);
 		return;

@@ -46,6 +46,13 @@
 #define BETTER_PLANE 0.15f
 #define PLANE_ROUNDS 2
 
+/* Neighbours are a strip when their lesser extent in their plane has this share of the greater
+ * one's square: across a line such as one of a scanner's, noise makes one that stands on the
+ * surface, and leaves nothing of it. Such a plane is nobody else's, and is given up for one of a
+ * neighbour's that leaves less than this. */
+#define STRIP_RATIO 0.15
+#define STRIP_PLANE 0.02f
+
 /* |cos| between an axis and the estimated normal, below which it has no side that could be told. */
 #define AXIS_COSINE 0.5f
 
@@ -59,6 +66,7 @@ enum {
 	EDGE_ON = 16,  /* untrusted unless the neighbours agree */
 	UNCLEAR = 32,  /* nobody knows which side is the front */
 	OF_FEW = 64,   /* the plane of the nearest few is the better one */
+	STRIP = 128,   /* of a strip of neighbours, which noise may have made of a line */
 };
 
 typedef struct normal_step {
@@ -212,6 +220,8 @@ static void estimate_normal(void *user, size_t surfel, const gw_neighbour_list *
 		plane[3] = INFINITY;
 		step->state[surfel] |= UNTRUSTED;
 	}
+	if (list->in_rows && !gw_plane_is_spanned(point, count, plane, STRIP_RATIO))
+		step->state[surfel] |= STRIP;
 	if (step->few && step->thin[surfel] > 0 && plane[3] > GW_PLANE_UNEVEN && plane[3] < INFINITY) {
 		float apart = FEW_APART * sqrtf(step->thin[surfel]) / list->distance[list->count - 1];
 		fit_few(step, point, count, apart, step->few + 4 * surfel);
@@ -298,8 +308,11 @@ static void choose_plane(void *user, size_t surfel, const gw_neighbour_list *lis
 	memcpy(better, own, 4 * sizeof *better);
 	if (!(step->state[surfel] & ESTIMATED) || step->state[surfel] & UNTRUSTED)
 		return;
-	float reach = list->distance[list->count - 1], least = BETTER_PLANE * own[3];
+	float reach = list->distance[list->count - 1];
+	float least = step->state[surfel] & STRIP ? STRIP_PLANE : BETTER_PLANE * own[3];
 	for (uint32_t j = 0; j < list->count; j++) {
+		if (step->state[list->index[j]] & STRIP)
+			continue;
 		const float *q = step->surfels->position + 3 * (size_t)list->index[j];
 		const float *plane = step->plane + 4 * (size_t)list->index[j];
 		float height = 0;

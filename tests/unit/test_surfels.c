@@ -1234,6 +1234,87 @@ static void noisy_rings_are_floor(void **state)
 	clear_cloud(&c);
 }
 
+/* Where a ray from 0 leaves the box from -half to half; returns the axis of that side. */
+static int leave_box(const double way[3], const double half[3], double *range)
+{
+	int axis = 0;
+	for (int k = 1; k < 3; k++)
+		if (half[k] * fabs(way[axis]) < half[axis] * fabs(way[k]))
+			axis = k;
+	*range = half[axis] / fabs(way[axis]);
+	return axis;
+}
+
+/*
+ * A scanner of 32 beams turns in the middle of a room of 6 x 4 x 3 m: points of a ring are 5 to 9
+ * mm apart, rings 0.1 to 0.2 m, and there are 10 mm of noise along the beams, so that the sixteen
+ * nearest of a point are of one ring, and lie in a plane of the beams.
+ */
+#define BEAMS 32
+#define AROUND 2048
+#define BEAM_STEP (3.14159265358979 / 2 / (BEAMS - 1))
+
+static cloud make_room_of_beams(bool normals, int axis[BEAMS * AROUND])
+{
+	const double half[3] = { 3, 2, 1.5 };
+	cloud c = make_cloud(BEAMS * AROUND, normals);
+	for (size_t i = 0; i < c.count; i++) {
+		double up = ((double)(i / AROUND) - 0.5 * (BEAMS - 1)) * BEAM_STEP, range;
+		double turn = ((double)(i % AROUND) + 0.5) * 2 * 3.14159265358979 / AROUND;
+		const double way[3] = { cos(up) * cos(turn), cos(up) * sin(turn), sin(up) };
+		axis[i] = leave_box(way, half, &range);
+		range += 0.01 * deviate();
+		set_point(&c, i, range * way[0], range * way[1], range * way[2]);
+		if (normals)
+			c.normal[3 * i + (size_t)axis[i]] = way[axis[i]] > 0 ? -1 : 1;
+	}
+	return c;
+}
+
+/* Within a ring's distance of the room's edges, where a tenth of the points are, neighbours are of
+ * two walls; with lists of strips 32 % of the points were lined up with their wall. */
+static void rooms_of_few_beams_have_walls(void **state)
+{
+	(void)state;
+	static int axis[BEAMS * AROUND];
+	cloud c = make_room_of_beams(false, axis);
+	gw_points points = points_of(&c);
+	gw_surfels s = make_with(&points, &(gw_surfels_options){ .threads = 2 });
+	size_t good = 0;
+	for (size_t i = 0; i < c.count; i++)
+		good +=
+			s.surfel_of_point[i] != UINT32_MAX &&
+			fabsf(s.normal[3 * s.surfel_of_point[i] + (size_t)axis[i]]) > 0.94f; /* 20 degrees */
+	print_message("%zu of %zu points are lined up with their wall\n", good, c.count);
+	assert_true((double)good > 0.85 * (double)c.count);
+	gw_surfels_clear(&s);
+	clear_cloud(&c);
+}
+
+/* With normals discs reach from ring to ring, which are one step of the beams apart where these
+ * meet a wall head-on, and further elsewhere. Half a step is enough. Within a ring's distance of
+ * the room's edges, a sixth of its surface, they may be narrower; with lists of strips 92 % were.
+ */
+static void and_these_are_closed(void **state)
+{
+	(void)state;
+	static int axis[BEAMS * AROUND];
+	cloud c = make_room_of_beams(true, axis);
+	gw_points points = points_of(&c);
+	gw_surfels s = make_with(&points, &(gw_surfels_options){ .threads = 2 });
+	size_t narrow = 0;
+	for (size_t i = 0; i < s.count; i++) {
+		double square = 0;
+		for (size_t k = 0; k < 3; k++)
+			square += pow((double)s.position[3 * i + k] + s.origin[k], 2);
+		narrow += (double)s.radius[i] < 0.5 * BEAM_STEP * sqrt(square);
+	}
+	print_message("%zu of %zu discs do not reach to the next ring\n", narrow, s.count);
+	assert_true(6 * narrow < s.count);
+	gw_surfels_clear(&s);
+	clear_cloud(&c);
+}
+
 /* Random points on the unit square, but for a hole in its middle, and `few` together at x. */
 static cloud make_few_apart(size_t count, double hole, size_t few, double x)
 {
@@ -2340,6 +2421,8 @@ int main(void)
 		cmocka_unit_test(areas_add_up),
 		cmocka_unit_test(scan_lines_are_one_surface),
 		cmocka_unit_test(noisy_rings_are_floor),
+		cmocka_unit_test(rooms_of_few_beams_have_walls),
+		cmocka_unit_test(and_these_are_closed),
 		cmocka_unit_test(few_points_apart_have_no_wide_discs),
 		cmocka_unit_test(areas_add_up_with_sensor_noise),
 		cmocka_unit_test(random_cells_share_a_plane_out),
