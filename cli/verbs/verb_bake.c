@@ -115,6 +115,7 @@ static gw_status check_resume(const settings *s, gw_error *error)
 static gw_status check(bake *b)
 {
 	settings *s = b->settings;
+	const uint32_t ao_fields = 1u << SETTINGS_FIELD_AO | 1u << SETTINGS_FIELD_BENT_NORMALS;
 	if (s->input_count == 0)
 		return gw_fail(b->error, GW_ERROR_USAGE,
 					   "what to light? Name an input, or - for standard input");
@@ -131,6 +132,10 @@ static gw_status check(bake *b)
 		return gw_fail(b->error, GW_ERROR_USAGE, "--vdb-points needs --vdb FILE");
 	if (s->vdb_voxel > 0.0f && !s->vdb)
 		return gw_fail(b->error, GW_ERROR_USAGE, "--vdb-voxel needs --vdb FILE");
+	if (s->bake.ambient_occlusion_distance > 0.0f && !(s->fields & ao_fields))
+		return gw_fail(b->error, GW_ERROR_USAGE,
+					   "--ao-distance says how far --fields ao and bent-normals look; give one of "
+					   "them, or leave it out");
 	GW_TRY(check_resume(s, b->error));
 	GW_TRY(tiled_result_check(s, b->error));
 	GW_TRY(check_units(s, b->error));

@@ -1,11 +1,13 @@
 #include "verbs/verbs.h"
 #include "glowworm_host.h"
+#include "options/options.h"
 #include "program/json_writer.h"
 #include "program/text_quote.h"
 #include "result/light_measure.h"
 
 #include <inttypes.h>
 #include <stdio.h>
+#include <string.h>
 
 static void print(const light_measure *m, FILE *out)
 {
@@ -79,6 +81,10 @@ gw_status verb_measure(const settings *s, gw_error *error)
 			s->input[1].path);
 	if (s->input_count != 1)
 		return gw_fail(error, GW_ERROR_USAGE, "measure what? Name one lit cloud, or -");
+	const option *reach = option_find(VERB_MEASURE, "reach", strlen("reach"));
+	if (!s->measure_path && s->given[reach - options] != SETTINGS_BY_DEFAULT)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "--reach says how near a --path is; give one, or leave it out");
 	GW_TRY(measure_region_read(s->measure_box, s->measure_path, (double)s->measure_reach, &region,
 							   error));
 	gw_status status = measure(s, &region, error);

@@ -9,6 +9,19 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
+
+/* A name that says what else the file would be is one that was meant for another verb. */
+static gw_status check_name(const char *path, gw_error *error)
+{
+	const char *slash = strrchr(path, '/'), *dot = strrchr(slash ? slash + 1 : path, '.');
+	if (output_name_is_stream(path) || !dot || strcasecmp(dot, ".html") == 0 ||
+		strcasecmp(dot, ".htm") == 0)
+		return GW_OK;
+	return gw_fail(error, GW_ERROR_USAGE,
+				   "%s: a page is HTML, and that name says something else; give -o PAGE.html",
+				   path);
+}
 
 static gw_status check(const settings *s, gw_error *error)
 {
@@ -19,7 +32,8 @@ static gw_status check(const settings *s, gw_error *error)
 					   "where to write? Give -o PAGE.html, or -o - for standard output");
 	GW_TRY(
 		stream_roles_check_outputs(&(stream_output){ "--output", s->output, "page is" }, 1, error));
-	return file_roles_check(VERB_PAGE, s, NULL, error);
+	GW_TRY(file_roles_check(VERB_PAGE, s, NULL, error));
+	return check_name(s->output, error);
 }
 
 /* What was asked for, or the input's name without folders and its last extension. For free(). */

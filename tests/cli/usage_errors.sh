@@ -36,3 +36,6 @@ run info --devices a.ply
 run info --format stl a.ply
 run --generate nothing
 run info --stats --places a.ply
+run bake a.ply --light "$lamp" --ao-distance 2 -o out.ply
+run measure a.ply --reach 2
+run page a.ply -o a.png
