@@ -33,16 +33,20 @@
 #define STRIP_ACROSS 0.5 /* of the variance across a strip: as much is along the normal */
 
 /*
- * Points lie in rows, as those of a scanner with some dozens of beams, where most lists of a chunk,
- * of so many, are strips. There noise may be as large as half of a list is long, and where beams
- * graze the surface little of it is along the normal.
+ * Points lie in rows, as those of a scanner with some dozens of beams, where a third of a chunk's
+ * lists, of so many, are strips, as hardly one in ten is on an even surface. There noise may be as
+ * large as half of a list is long, and where beams graze the surface little of it is along the
+ * normal.
  */
 #define ROW_PLACES 64u
 #define ROW_SHARE 0.45 /* as STRIP_SHARE there */
 #define ROW_ACROSS 0.1 /* as STRIP_ACROSS */
 
-/* With normals, a row's surface goes on where so many neighbours beside it, three quarters of them,
- * face alike and lie no further off its plane for their distance. */
+/* With normals lists that are no strips are widened, too, where so many times their reach are
+ * GW_NEIGHBOURS_WIDE surfels: on an even surface these reach 2.8 times as far, along a row 8. A
+ * row's surface goes on where so many neighbours beside it, three quarters of them, face alike and
+ * lie no further off its plane for their distance. */
+#define ROW_REACH 3.4
 #define BESIDE_LEAST 4u
 #define ROW_SLOPE 0.35
 
@@ -486,13 +490,19 @@ static void widen_list(gw_neighbours *search, size_t surfel, wide_search *wide,
 				lies_on_line(s, surfel, list, list->count, LINE_SHARE);
 	double share = list->in_rows ? ROW_SHARE : STRIP_SHARE;
 	bool given = s->normals_given == s->count;
-	if (!line && ((given && !list->in_rows) || !is_strip(&own, share)))
+	double reach = (double)list->distance[list->count - 1];
+	if (!line && given && !list->in_rows)
+		return;
+	bool strip = is_strip(&own, share);
+	if (!line && !given && !strip)
 		return;
 	if (!search_wide(search, surfel, wide))
 		return;
+	if (!line && !strip && !(wide->reach > ROW_REACH * reach))
+		return;
 	if (!line && list->in_rows) {
 		if (!widen_strip(s, surfel, &own, wide, list) &&
-			search_wider(search, surfel, (double)list->distance[list->count - 1], wide, &wider))
+			search_wider(search, surfel, reach, wide, &wider))
 			widen_strip(s, surfel, &own, &wider, list);
 		return;
 	}
@@ -546,7 +556,7 @@ static bool asks_to_stop(gw_neighbours *search)
 	return atomic_load(&search->stopped) || (o->cancelled && o->cancelled(o->user));
 }
 
-/* Whether most lists of a chunk are lines or strips. */
+/* Whether many lists of a chunk are lines or strips. */
 static bool lies_in_rows(const gw_neighbours *search, size_t first, size_t last,
 						 const chunk_result *result)
 {
@@ -560,7 +570,7 @@ static bool lies_in_rows(const gw_neighbours *search, size_t first, size_t last,
 		const spread own = find_spread(s, i, list.index, list.count);
 		strips += is_strip(&own, STRIP_SHARE);
 	}
-	return 2 * strips > places;
+	return 3 * strips > places;
 }
 
 static bool search_chunk(const gw_neighbours *search, size_t first, size_t last,

@@ -19,7 +19,7 @@ typedef struct gw_neighbour_list {
 	uint32_t index[GW_NEIGHBOURS];
 	float distance[GW_NEIGHBOURS]; /* Euclidean, metres, ascending */
 	uint32_t complete;             /* the first so many are the nearest of all surfels */
-	bool in_rows;                  /* most lists around are lines or strips */
+	bool in_rows;                  /* many lists around are lines or strips */
 } gw_neighbour_list;
 
 /* How far off a surfel the middle of its neighbours is, of their mean distance: 0 where they lie

@@ -34,6 +34,8 @@ rooms-mixed          rooms -f ptx --beam 8 --divergence 0.5
 rooms-strays         rooms -f ply --normals --strays 0.001
 rooms-strays-many    rooms -f ply --normals --strays 0.02
 rooms-holes          rooms -f ply --normals --holes 6
+rooms-beams          rooms -f ply --rows 32 --noise 10
+rooms-beams-normals  rooms -f ply --rows 32 --noise 10 --normals
 rooms-normals        rooms -f ply --normals $faults
 rooms-real           rooms -f ply $faults
 rooms-ptx            rooms -f ptx $faults
@@ -44,6 +46,7 @@ corridor-real        corridor -f ply $faults
 corridor-ptx         corridor -f ptx $faults
 cave-clean           cave -f ply --normals
 cave-real            cave -f ply $faults
+cave-beams           cave -f ply --rows 32 --noise 10
 cave-ptx             cave -f ptx $faults
 ruin-clean           ruin -f ply --normals
 ruin-real            ruin -f ply $faults

@@ -126,13 +126,16 @@ static void place_station(job *j)
 		s->own[k] = s->place[k] + j->setup->faults.registration * off[k];
 }
 
-/* Cells of a station at a distance of `step` from each other: radians, or tangents of a camera. */
+/* Cells of a station at a distance of `step` from each other: radians, or tangents of a camera. As
+ * many where the number of rows is given. */
 static void size_grid(station_scan *s, const scan_setup *setup, double step)
 {
 	double width = setup->camera ? 2.0 * CAMERA_HALF : 2.0 * PI;
 	double height = setup->camera ? 1.5 * CAMERA_HALF : HIGHEST - LOWEST;
-	s->columns = (size_t)fmax(4.0, round(width / step));
-	s->rows = (size_t)fmax(4.0, round(height / step));
+	double rows = setup->rows > 0 ? (double)setup->rows : fmax(4.0, round(height / step));
+	s->rows = (size_t)rows;
+	s->columns = (size_t)fmax(
+		4.0, round(setup->rows > 0 ? width * height / (step * step) / rows : width / step));
 	s->column_step = width / (double)s->columns;
 	s->row_step = height / (double)s->rows;
 	s->left = setup->camera ? 0.5 * s->column_step - CAMERA_HALF : 0.0;

@@ -30,6 +30,8 @@ typedef struct scan_setup {
 	size_t count; /* points, about, of all stations together */
 	bool camera;  /* each station is a depth camera that looks at the scene's middle, 58 x 45
 					 degrees; else a scanner that looks all around, but not straight down */
+	size_t rows;  /* of each station, as the beams of a scanner that turns; 0: rows are as far apart
+					 as  columns */
 	scan_faults faults;
 	uint64_t seed;
 } scan_setup;
