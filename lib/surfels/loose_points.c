@@ -265,7 +265,9 @@ static void bound_discs(const loose_step *step, const uint8_t *fixed, gw_surfels
 		float from = step->loose[slot] == LOOSE_IF_WIDE ? WIDE_NEAR * most : area;
 		if (step->loose[slot] == IN_BETWEEN || fixed[i] || emits(s, i) || !(disc_area(s, i) > from))
 			continue;
-		s->radius[i] = fmaxf(sqrtf(area / (float)M_PI), FLT_MIN);
+		/* Wide ones may be of sparse surface all the same: discs of even points close that. */
+		float keep = step->loose[slot] == LOOSE_IF_WIDE ? (float)GW_DISC_RANK * area : area;
+		s->radius[i] = fmaxf(sqrtf(keep / (float)M_PI), FLT_MIN);
 		s->area[i] = fminf(s->area[i], area);
 	}
 }

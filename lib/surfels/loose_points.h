@@ -6,7 +6,8 @@
  * several: a disc that reached to them would be a plate in the air, wider than the leaf. Nothing
  * around says how wide that is. But beams meet leaves as often as they meet walls, so a point on a
  * leaf stands for as much area as one on the solid surface near it. So does one on a wire across
- * which others run, or that floats before a wall, if its disc is wide for that surface.
+ * which others run, or that floats before a wall, if its disc is wide for that surface; that
+ * becomes as wide as those of even points there.
  */
 #ifndef LOOSE_POINTS_H
 #define LOOSE_POINTS_H
