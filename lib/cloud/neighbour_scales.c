@@ -215,7 +215,7 @@ static int level_of_width(const gw_neighbour_scales *scales, double width)
 }
 
 bool gw_neighbour_scales_around(gw_neighbour_scales *scales, size_t surfel, double width,
-								uint32_t most, uint32_t *index, uint32_t *count)
+								uint32_t *index, uint32_t *count)
 {
 	int level = level_of_width(scales, width), found[GW_NEIGHBOURS_WIDE];
 	float squared[GW_NEIGHBOURS_WIDE], query[3];
@@ -223,7 +223,7 @@ bool gw_neighbour_scales_around(gw_neighbour_scales *scales, size_t surfel, doub
 	if (!(scales->per_metre > 0) || level < 0)
 		return true;
 	const thinned *t = level_of(scales, level);
-	size_t k = t && t->count < most ? t->count : most;
+	size_t k = t && t->count < GW_NEIGHBOURS_WIDE ? t->count : GW_NEIGHBOURS_WIDE;
 	gw_unit_place(scales->surfels, surfel, scales->scale, query);
 	if (!t || !gw_neighbour_index_search(t->index, query, 1, k, found, squared))
 		return false;

@@ -41,11 +41,12 @@ bool gw_neighbour_scales_widen(gw_neighbour_scales *scales, size_t surfel, gw_ne
 /*
  * The surfels nearest to one in the cloud thinned to cells of some width, or a little less.
  *   width   metres, above 0
- *   index   most numbers, receives them, nearest first; the surfel itself is one where it was left
- *   count   receives how many there are
+ *   index   GW_NEIGHBOURS_WIDE, receives them, nearest first; the surfel itself is one where it was
+ *           left
+ *   count   receives how many there are, fewer where the thinned cloud has no more
  * Returns false when memory is short. Thread-safe.
  */
 bool gw_neighbour_scales_around(gw_neighbour_scales *scales, size_t surfel, double width,
-								uint32_t most, uint32_t *index, uint32_t *count);
+								uint32_t *index, uint32_t *count);
 
 #endif

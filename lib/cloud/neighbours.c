@@ -372,8 +372,8 @@ static bool search_wider(gw_neighbours *search, size_t surfel, double reach,
 	if (!is_strip(&all, STRIP_SHARE))
 		return false;
 	*wider = (wide_search){ .centre = surfel };
-	if (!gw_neighbour_scales_around(search->scales, surfel, 0.5 * reach, GW_NEIGHBOURS_WIDE,
-									wider->index, &wider->count)) {
+	if (!gw_neighbour_scales_around(search->scales, surfel, 0.5 * reach, wider->index,
+									&wider->count)) {
 		atomic_store(&search->out_of_memory, true);
 		return false;
 	}
@@ -465,12 +465,16 @@ static bool widen_strip(const gw_surfels *s, size_t surfel, const spread *strip,
 	take_largest(&rest, axis);
 	if (!take_beside(s, surfel, axis, wide, &wider))
 		return false;
-	const spread around = find_spread(s, surfel, wider.index, wider.count);
-	bool given = s->normals_given == s->count;
-	if (!(given ? goes_on_beside(s, surfel, &wider) : is_noise_across(strip, &around, ROW_ACROSS)))
-		return false;
-	*list = wider;
-	return true;
+	bool good = false;
+	if (s->normals_given == s->count) {
+		good = goes_on_beside(s, surfel, &wider);
+	} else {
+		const spread around = find_spread(s, surfel, wider.index, wider.count);
+		good = is_noise_across(strip, &around, ROW_ACROSS);
+	}
+	if (good)
+		*list = wider;
+	return good;
 }
 
 /*
