@@ -44,6 +44,10 @@
 #define CONFIRM_POINTS 3u
 #define CONFIRM_SEED 0x7feb352du
 
+/* Two errors are the same if they differ by no more than this share: rounding of other drivers, and
+ * of the same lamps with another power. */
+#define SAME_ERROR 1e-4
+
 /* All that one bake holds. */
 typedef struct bake {
 	const gw_points *points;
@@ -683,6 +687,14 @@ static bool has_room(const bake *b, gw_density_wish *wish)
 	return wish->most_growth >= GROWTH_LEAST;
 }
 
+/* Whether records of a transport have been added in vain for light like this: as wrong where it is
+ * gathered, to what a scale of the lamps or another device leaves of that. */
+static bool was_in_vain(const bake *b)
+{
+	double before = b->scene.density.in_vain, now = b->report->error.gathered;
+	return before > 0.0 && fabs(now - before) <= SAME_ERROR * before;
+}
+
 /* Adds records where few disagree, until gathered light is right enough or they stand as close as
  * they may, or memory holds no more. */
 static gw_status add_to_few(bake *b, gw_error *error)
@@ -690,16 +702,19 @@ static gw_status add_to_few(bake *b, gw_error *error)
 	char why[96];
 	gw_density_wish wish;
 	gw_status status = GW_OK;
+	gw_refine_answer answer = was_in_vain(b) ? GW_REFINE_STALLED : GW_REFINE_ROUND;
 	begin_rounds(b, "few records");
 	b->least_spacing = fmaxf(b->scene.options.record_spacing, GW_RECORD_SPACING_LEAST);
-	while (status == GW_OK && b->report->goal == GW_GOAL_NONE &&
+	while (status == GW_OK && answer == GW_REFINE_ROUND && b->report->goal == GW_GOAL_NONE &&
 		   b->report->round_count < GW_REPORT_ROUNDS - 1) {
 		const gw_bake_options even = as_even(b);
 		const gw_refine_state state = state_of(b, &even);
-		if (gw_refine_gathered(&state, &wish, why) != GW_REFINE_ROUND || !has_room(b, &wish))
+		answer = gw_refine_gathered(&state, &wish, why);
+		if (answer != GW_REFINE_ROUND || !has_room(b, &wish))
 			break;
 		status = refine_records(b, &wish, why, error);
 	}
+	b->scene.density.in_vain = answer == GW_REFINE_STALLED ? b->report->error.gathered : 0.0;
 	b->refining = false;
 	return status;
 }

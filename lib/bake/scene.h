@@ -66,6 +66,8 @@ typedef struct gw_record_density {
 	float *surfel_spacing;              /* surfel count */
 	bool *facet_closer, *surfel_closer; /* likewise: whose spacing has become less; NULL where a
 										   transport brought the spacings */
+	double in_vain; /* error of gathered light that the last added ones did not lessen, relative; 0
+					   where they did */
 } gw_record_density;
 
 /* Whether a scene begins with it, and whether it is to be written. NULL: neither. */

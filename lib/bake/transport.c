@@ -22,7 +22,7 @@
 #include <string.h>
 
 #define MAGIC "glowworm transport\n"
-#define VERSION 28u
+#define VERSION 29u
 
 /* Blocks are read and checked in chunks, by all threads. */
 #define CHUNK_BYTES (UINT64_C(1) << 20)

@@ -55,6 +55,7 @@ gw_transport_numbers gw_transport_numbers_of(const gw_scene *scene)
 	memset(&n, 0, sizeof n);
 	n.given_area = s->given_area;
 	n.spacing_ratio = scene->report->spacing_ratio;
+	n.in_vain = scene->density.in_vain;
 	n.narrow_share = scene->report->narrow_share;
 	n.spacing = s->spacing;
 	n.leaf_size = o->leaf_size;
@@ -141,10 +142,11 @@ bool gw_transport_numbers_fit(const gw_transport_numbers *n)
 		   n->check_points <= n->surfels && n->check_point_rays <= 4096 &&
 		   n->check_points_lit <= (n->emits == 1 && n->check_points > 0) &&
 		   n->spacing_ratio >= 1.0 && n->narrow_share >= 0.0 && n->narrow_share <= 1.0 &&
-		   isfinite(n->leaf_size) && n->leaf_size > 0.0f && n->block_level < n->depth &&
-		   n->leaves > 0 && n->leaves <= INT32_MAX / 2 && n->facets > n->leaves &&
-		   n->facets <= 2 * n->leaves + 1 && n->dark_facet <= GW_FACET_EMPTY + 1 &&
-		   n->facet_rows > 0 && n->facet_rows <= n->facets && isfinite(n->wanted_leaf_size) &&
+		   n->in_vain >= 0.0 && isfinite(n->leaf_size) && n->leaf_size > 0.0f &&
+		   n->block_level < n->depth && n->leaves > 0 && n->leaves <= INT32_MAX / 2 &&
+		   n->facets > n->leaves && n->facets <= 2 * n->leaves + 1 &&
+		   n->dark_facet <= GW_FACET_EMPTY + 1 && n->facet_rows > 0 && n->facet_rows <= n->facets &&
+		   isfinite(n->wanted_leaf_size) &&
 		   memchr(n->why_coarser, 0, sizeof n->why_coarser) != NULL &&
 		   (uint64_t)n->tiles * 8 < UINT32_MAX && (uint64_t)n->leaf_tiles * 8 < UINT32_MAX;
 }
@@ -154,6 +156,7 @@ void gw_transport_numbers_restore(const gw_transport_numbers *n, gw_scene *scene
 	gw_surfels *s = &scene->surfels;
 	gw_octree *o = &scene->octree;
 	scene->report->spacing_ratio = n->spacing_ratio;
+	scene->density.in_vain = n->in_vain;
 	scene->report->narrow_share = n->narrow_share;
 	*s = (gw_surfels){ .count = (size_t)n->surfels,
 					   .point_count = (size_t)n->points,

@@ -12,6 +12,7 @@
 typedef struct gw_transport_numbers {
 	double origin[3], given_area;
 	double spacing_ratio, narrow_share; /* of gw_report */
+	double in_vain;                     /* of gw_record_density */
 	float minimum[3], maximum[3], cube_minimum[3];
 	float spacing, leaf_size, record_radius, record_spacing;
 	uint64_t surfels, points;

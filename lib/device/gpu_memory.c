@@ -357,6 +357,25 @@ gw_status gw_buffer_borrow(gw_gpu *gpu, const gw_buffer_description *description
 	return GW_OK;
 }
 
+gw_status gw_buffer_make_own(gw_gpu *gpu, gw_buffer *buffer, gw_error *error)
+{
+	gw_buffer own;
+	if (!buffer->lent)
+		return GW_OK;
+	GW_TRY(gw_buffer_create_unset(
+		gpu,
+		&(gw_buffer_description){ GW_BUFFER_TEXEL, buffer->format, buffer->bytes, buffer->name },
+		&own, error));
+	gw_status status = gw_buffer_upload(gpu, &own, 0, buffer->mapped, buffer->bytes, error);
+	if (status == GW_OK) {
+		gw_buffer_destroy(gpu, buffer);
+		*buffer = own;
+	} else {
+		gw_buffer_destroy(gpu, &own);
+	}
+	return status;
+}
+
 gw_status gw_buffer_create(gw_gpu *gpu, const gw_buffer_description *description, gw_buffer *buffer,
 						   gw_error *error)
 {

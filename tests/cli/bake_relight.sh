@@ -73,3 +73,20 @@ voxels() { glowworm bake box.ply --light "$sky" --depth 5 -q -f -o lit.ply "$@";
 voxels --save-transport voxels.gwt --vdb first.vdb
 voxels --transport voxels.gwt --vdb again.vdb
 cmp first.vdb again.vdb
+
+# Few records, to which the lamp of a transport had some added, and to which other lamps add more:
+# to none that lie in the file. Where the last ones were in vain, the same lamp asks for no more.
+make_box --scene cornell --points 20000 -o few.ply
+few() {
+	glowworm bake few.ply --most-records 100 --least-records 100 --gathered-error 0.005 -q -f \
+		--report few.json "$@" || echo "a bake of few records ends with $?"
+	sed -n 's/^ "records": \([0-9]*\).*/\1/p' few.json
+}
+spot='spot at 0.5,0.5,0.5 to 0.9,0.9,0 intensity 100 inner 10 outer 30'
+saved=$(few --save-transport few.transport --light "$spot" -o few.lit.ply)
+again=$(few --transport few.transport --light "$spot" -o few.again.ply)
+[ "$(body few.lit.ply)" = "$(body few.again.ply)" ] && [ "$saved" = "$again" ] ||
+	echo "the same lamp adds records in vain: $saved, then $again"
+unlit=$(few --save-transport unlit.transport)
+lit=$(few --transport unlit.transport --light "$spot" -o few.lit.ply)
+[ "$lit" -gt "$unlit" ] || echo "a lamp has added none to $unlit records: $lit"
