@@ -22,9 +22,16 @@
  * leaves, in corners, or on wires whose points lie in rows, so that many of one side are alike. */
 #define SOLID 0.9f
 
-/* In the midst of what is solid a point is alone, as strays are, if fewer of its own neighbours
- * than this lie on a surface with it. */
-#define ALONE 0.3f
+/* Lists of fewer neighbours than this say nothing: such points count as a surface. */
+#define TELLS (GW_NEIGHBOURS / 2)
+
+/* In the midst of what is solid a point floats, as strays do and the rows of them that beams leave
+ * which an edge has split, if so many of its neighbours are solid, and less than one in so many of
+ * these lies on a surface with it: in a corner half of them do. Is it so many times the radius of
+ * each of their discs away from that, too, it is as loose as on a leaf. */
+#define SOLID_AROUND 3u
+#define WITH_IT 4u
+#define FAR_AFLOAT 4.0
 
 /* Both are loose as well if their disc is wide. It is so for some of its neighbours, whose discs
  * are not half as wide: a sparse room has none such. And it is for what is solid, near it and
@@ -44,7 +51,7 @@
 
 #define NO_SLOT UINT32_MAX
 
-typedef enum looseness { IN_BETWEEN, LOOSE, LOOSE_IF_WIDE } looseness;
+typedef enum looseness { IN_BETWEEN, LOOSE, LOOSE_IF_WIDE, LOOSE_IF_AFLOAT } looseness;
 
 /* What a point stands for on the solid surface near one, m^2. */
 typedef struct stood_for {
@@ -56,16 +63,25 @@ typedef struct loose_step {
 	const float *share; /* count, of neighbours: what the means are taken of */
 	float median;       /* m^2, of what is solid: what a point stands for */
 	float *mean;        /* count, receives them */
-	uint8_t *alone; /* count, receives 1 for points of whose neighbours few lie on their surface */
-	uint32_t *slot; /* count, of the row of a point that is not solid, or NO_SLOT */
-	uint32_t *row;  /* GW_NEIGHBOURS for each slot: its neighbours */
-	uint32_t *surfel; /* of each slot */
-	uint8_t *loose;   /* of each slot: one of looseness */
-	stood_for *area;  /* of each slot: what a point stands for there; 0: not known yet */
-	size_t slots, loose_count;
+	uint32_t *slot;     /* count, of the row of a point that is not solid, or NO_SLOT */
+	uint32_t *row;      /* GW_NEIGHBOURS for each slot: its neighbours */
+	uint32_t *surfel;   /* of each slot */
+	uint8_t *loose;     /* of each slot: one of looseness */
+	stood_for *area;    /* of each slot: what a point stands for there; 0: not known yet */
+	size_t slots;
 	uint32_t *open;   /* slots whose area is not known yet */
 	stood_for *found; /* of each of these: its area, or 0 */
 } loose_step;
+
+static double distance_between(const gw_surfels *s, size_t a, size_t b)
+{
+	double square = 0.0;
+	for (size_t k = 0; k < 3; k++) {
+		double way = (double)s->position[3 * b + k] - (double)s->position[3 * a + k];
+		square += way * way;
+	}
+	return sqrt(square);
+}
 
 /* Cosine between two surfels that lie in one slab; 0: they do not. */
 static float facing_in_slab(const gw_surfels *s, size_t surfel, size_t other, double slab)
@@ -78,7 +94,7 @@ static float facing_in_slab(const gw_surfels *s, size_t surfel, size_t other, do
 	return fabs(height) <= slab ? n[0] * m[0] + n[1] * m[1] + n[2] * m[2] : 0.0f;
 }
 
-/* Few points say nothing: they count as a surface. Those on the other side of a thin sheet are of
+/* Those on the other side of a thin sheet are of
  * the same surface, but more of leaves than of walls lie so by chance: half of them count. */
 static void measure(void *user, size_t surfel, const gw_neighbour_list *list)
 {
@@ -90,10 +106,8 @@ static void measure(void *user, size_t surfel, const gw_neighbour_list *list)
 		alike += cosine > (float)GW_SAME_SURFACE ? 1.0f : 0.0f;
 		opposite += cosine < -(float)GW_SAME_SURFACE ? 0.5f : 0.0f;
 	}
-	bool tells = list->count == GW_NEIGHBOURS;
-	float share = tells ? (alike + opposite) / ((float)GW_NEIGHBOURS - opposite) : 1.0f;
-	step->mean[surfel] = share;
-	step->alone[surfel] = share < ALONE;
+	bool tells = list->count >= TELLS;
+	step->mean[surfel] = tells ? (alike + opposite) / ((float)list->count - opposite) : 1.0f;
 }
 
 static void average(void *user, size_t surfel, const gw_neighbour_list *list)
@@ -136,9 +150,9 @@ static looseness how_loose(const loose_step *step, const float *once, const floa
 {
 	if (once[i] < ON_SURFACE && wide[i] < ON_SURFACE)
 		return LOOSE;
-	bool in_between = once[i] < SOLID && (wide[i] < SOLID || step->alone[i]);
-	bool is_wide = disc_area(step->surfels, i) > WIDE_EVERYWHERE * step->median;
-	return in_between && is_wide ? LOOSE_IF_WIDE : IN_BETWEEN;
+	if (!(once[i] < SOLID) || !(disc_area(step->surfels, i) > WIDE_EVERYWHERE * step->median))
+		return IN_BETWEEN;
+	return wide[i] < SOLID ? LOOSE_IF_WIDE : LOOSE_IF_AFLOAT;
 }
 
 /*   room   count, for what is solid */
@@ -151,15 +165,13 @@ static float solid_median(const gw_surfels *s, const float *once, float *room)
 	return solid > 0 ? gw_nth_element(room, solid, solid / 2) : INFINITY;
 }
 
-/* Gives each point that is not solid its slot, if any may be loose. */
+/* Gives each point that is not solid its slot. */
 static gw_status choose(const float *once, const float *wide, loose_step *step, gw_error *error)
 {
 	size_t n = step->surfels->count, at = 0;
-	for (size_t i = 0; i < n; i++) {
-		step->loose_count += how_loose(step, once, wide, i) != IN_BETWEEN;
+	for (size_t i = 0; i < n; i++)
 		step->slots += once[i] < SOLID;
-	}
-	if (step->loose_count == 0)
+	if (step->slots == 0)
 		return GW_OK;
 	step->slot = gw_allocate_array(n, sizeof *step->slot);
 	step->row = gw_allocate_array(step->slots, GW_NEIGHBOURS * sizeof *step->row);
@@ -185,6 +197,37 @@ static bool is_wide_for_neighbours(const gw_surfels *s, size_t surfel,
 	return narrow >= NARROW_NEIGHBOURS;
 }
 
+/* Does a point float in the midst of what is solid?
+ *   far   receives whether it is also far from all of that */
+static bool is_afloat(const loose_step *step, size_t surfel, const gw_neighbour_list *list,
+					  bool *far)
+{
+	const gw_surfels *s = step->surfels;
+	double slab = list->count > 0 ? SLAB * (double)list->distance[list->count - 1] : 0.0;
+	uint32_t solid = 0, with_it = 0, near = 0;
+	for (uint32_t j = 0; j < list->count; j++) {
+		size_t other = list->index[j];
+		if (step->slot[other] != NO_SLOT)
+			continue;
+		with_it += facing_in_slab(s, surfel, other, slab) > (float)GW_SAME_SURFACE;
+		near += distance_between(s, surfel, other) < FAR_AFLOAT * (double)s->radius[other];
+		solid++;
+	}
+	*far = near == 0;
+	return solid >= SOLID_AROUND && WITH_IT * with_it < solid;
+}
+
+/* How loose a point is, with its neighbours looked at, of which shares told so much. */
+static looseness settle(const loose_step *step, size_t surfel, const gw_neighbour_list *list,
+						looseness told)
+{
+	bool far, afloat = is_afloat(step, surfel, list, &far);
+	if (told == LOOSE || (afloat && far))
+		return LOOSE;
+	bool may = told == LOOSE_IF_WIDE || (told == LOOSE_IF_AFLOAT && afloat);
+	return may && is_wide_for_neighbours(step->surfels, surfel, list) ? LOOSE_IF_WIDE : IN_BETWEEN;
+}
+
 static void keep_row(void *user, size_t surfel, const gw_neighbour_list *list)
 {
 	const loose_step *step = user;
@@ -192,8 +235,7 @@ static void keep_row(void *user, size_t surfel, const gw_neighbour_list *list)
 	if (slot == NO_SLOT)
 		return;
 	step->surfel[slot] = (uint32_t)surfel;
-	if (step->loose[slot] == LOOSE_IF_WIDE && !is_wide_for_neighbours(step->surfels, surfel, list))
-		step->loose[slot] = IN_BETWEEN;
+	step->loose[slot] = (uint8_t)settle(step, surfel, list, step->loose[slot]);
 	for (uint32_t j = 0; j < GW_NEIGHBOURS; j++)
 		step->row[GW_NEIGHBOURS * (size_t)slot + j] =
 			j < list->count ? list->index[j] : (uint32_t)surfel;
@@ -280,8 +322,7 @@ gw_status gw_loose_points_bound(gw_neighbours *search, const uint8_t *fixed, gw_
 	float *mean[3] = { gw_allocate_array(n, sizeof(float)), gw_allocate_array(n, sizeof(float)),
 					   gw_allocate_array(n, sizeof(float)) };
 	gw_status status = GW_OK;
-	step.alone = gw_allocate_array(n, sizeof *step.alone);
-	if (!mean[0] || !mean[1] || !mean[2] || !step.alone)
+	if (!mean[0] || !mean[1] || !mean[2])
 		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the leaves of %zu points", n);
 	if (status == GW_OK)
 		status = measure_shares(search, &step, mean, error);
@@ -289,15 +330,14 @@ gw_status gw_loose_points_bound(gw_neighbours *search, const uint8_t *fixed, gw_
 		step.median = solid_median(surfels, mean[0], mean[1]);
 		status = choose(mean[0], mean[2], &step, error);
 	}
-	if (status == GW_OK && step.loose_count > 0)
+	if (status == GW_OK && step.slots > 0)
 		status = gw_neighbours_visit_reach(search, keep_row, &step, error);
-	if (status == GW_OK && step.loose_count > 0)
+	if (status == GW_OK && step.slots > 0)
 		status = spread_areas(search, &step, error);
-	if (status == GW_OK && step.loose_count > 0)
+	if (status == GW_OK && step.slots > 0)
 		bound_discs(&step, fixed, surfels);
 	for (int k = 0; k < 3; k++)
 		free(mean[k]);
-	free(step.alone);
 	free(step.slot);
 	free(step.row);
 	free(step.surfel);

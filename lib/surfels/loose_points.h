@@ -7,7 +7,8 @@
  * around says how wide that is. But beams meet leaves as often as they meet walls, so a point on a
  * leaf stands for as much area as one on the solid surface near it. So does one on a wire across
  * which others run, or that floats before a wall, if its disc is wide for that surface; that
- * becomes as wide as those of even points there.
+ * becomes as wide as those of even points there. One that is far from all that is solid around it,
+ * as those of the rows in the air that beams leave which an edge has split, is as one on a leaf.
  */
 #ifndef LOOSE_POINTS_H
 #define LOOSE_POINTS_H

@@ -438,8 +438,7 @@ static gw_status make_discs(disc_step *step, gw_error *error)
 	GW_TRY(isolate_lines(step, error));
 	GW_TRY(gw_disc_widths_bound(step->search, s, step->rough_area, error));
 	GW_TRY(gw_boundaries_settle(step->search, s, step->rough_area, step->boundary, error));
-	if (!step->rough_area)
-		GW_TRY(gw_loose_points_bound(step->search, step->lone->filled, s, error));
+	GW_TRY(gw_loose_points_bound(step->search, step->lone->filled, s, error));
 	GW_TRY(find_foliage(step, error));
 	return finish(step, error);
 }

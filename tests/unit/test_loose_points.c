@@ -32,6 +32,11 @@ static double next_random(uint64_t *state)
 	return (double)(*state >> 11) * 0x1p-53;
 }
 
+/* A row of points that face one way, upright over the floor, as far apart as its discs are wide. */
+#define ROW 7
+#define ROW_STEP 2.0
+#define ROW_WIDE 8.0f
+
 static gw_points make_tree(void)
 {
 	uint64_t state = 1;
@@ -46,6 +51,21 @@ static gw_points make_tree(void)
 		p[2] = i < FLOOR ? 0.0 : LOW + (HIGH - LOW) * next_random(&state);
 	}
 	return (gw_points){ .count = COUNT, .position = position, .normal = normal, .albedo = albedo };
+}
+
+/* The floor of the tree, and the row instead of its crown. */
+static gw_points make_row(void)
+{
+	gw_points points = make_tree();
+	points.count = FLOOR + ROW;
+	for (size_t k = 0; k < ROW; k++) {
+		const size_t i = FLOOR + k;
+		const double middle = 0.5 * SIDE + 0.5;
+		memcpy(position + 3 * i, (double[]){ middle, middle, LOW + ROW_STEP * (double)k },
+			   3 * sizeof *position);
+		memcpy(normal + 3 * i, (float[]){ 1.0f, 0.0f, 0.0f }, 3 * sizeof *normal);
+	}
+	return points;
 }
 
 /* How often somebody was asked whether to stop, and from which time on they want to. */
@@ -64,8 +84,8 @@ static bool is_of_floor(const gw_surfels *s, size_t i)
 	return (double)s->position[3 * i + 2] + s->origin[2] < 0.5 * LOW;
 }
 
-/* The surfels of the tree: the crown's discs wide, and areas that grow from 1 to 2 along the floor.
- */
+/* The surfels of the tree, or the row: all discs but the floor's wide, and areas that grow from 1
+ * to 2 along the floor. */
 typedef struct tree {
 	gw_surfels_options options;
 	gw_surfels surfels;
@@ -74,25 +94,30 @@ typedef struct tree {
 	uint8_t *fixed;
 } tree;
 
-static void open_tree(tree *t, uint32_t threads)
+static void open_points(tree *t, const gw_points *points, float wide, uint32_t threads)
 {
 	gw_error error;
-	gw_points points = make_tree();
 	*t = (tree){ .patience.most = 1 << 30 };
 	t->options = (gw_surfels_options){ .threads = threads };
-	assert_ok(gw_frame_make(&points, &t->options, &t->surfels, &error), &error);
+	assert_ok(gw_frame_make(points, &t->options, &t->surfels, &error), &error);
 	gw_surfels *s = &t->surfels;
 	s->radius = malloc(s->count * sizeof *s->radius);
 	s->area = malloc(s->count * sizeof *s->area);
 	t->fixed = calloc(s->count, 1);
 	assert_true(s->radius && s->area && t->fixed);
 	for (size_t i = 0; i < s->count; i++) {
-		s->radius[i] = is_of_floor(s, i) ? EVEN : WIDE;
+		s->radius[i] = is_of_floor(s, i) ? EVEN : wide;
 		s->area[i] = 1.0f + s->position[3 * i] / (s->maximum[0] - s->minimum[0]);
 	}
 	assert_ok(gw_neighbours_open(s, &t->options, &t->search, &error), &error);
 	t->options.cancelled = is_at_end;
 	t->options.user = &t->patience;
+}
+
+static void open_tree(tree *t, uint32_t threads)
+{
+	const gw_points points = make_tree();
+	open_points(t, &points, WIDE, threads);
 }
 
 static void close_tree(tree *t)
@@ -137,6 +162,30 @@ static void areas_of_the_floor_go_up(void **state)
 	close_tree(&one);
 }
 
+/* Points of a row in the air are alike, but nothing solid lies on a surface with them: those that
+ * are far from the floor stand for as much as one of its points, lower ones have discs as wide
+ * as even ones there. */
+static void rows_in_the_air_are_no_plates(void **state)
+{
+	(void)state;
+	gw_error error;
+	tree t;
+	const gw_points points = make_row();
+	open_points(&t, &points, ROW_WIDE, 2);
+	assert_int_equal(t.surfels.count, points.count);
+	assert_ok(gw_loose_points_bound(t.search, t.fixed, &t.surfels, &error), &error);
+	for (size_t i = 0; i < t.surfels.count; i++) {
+		double radius = (double)t.surfels.radius[i], area = PI * radius * radius;
+		double height = (double)t.surfels.position[3 * i + 2] + t.surfels.origin[2];
+		double ranks = height < 4.0 * (double)EVEN ? GW_DISC_RANK : 1.0;
+		if (is_of_floor(&t.surfels, i))
+			assert_true(radius == (double)EVEN);
+		else /* areas of the floor are between 1 and 2 */
+			assert_true(area > ranks * (1.0 - 1e-5) && area < ranks * (2.0 + 1e-5));
+	}
+	close_tree(&t);
+}
+
 static void visit_nothing(void *user, size_t surfel, const gw_neighbour_list *list)
 {
 	(void)user, (void)surfel, (void)list;
@@ -177,6 +226,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(areas_of_the_floor_go_up),
+		cmocka_unit_test(rows_in_the_air_are_no_plates),
 		cmocka_unit_test(it_stops_on_the_way_up),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
