@@ -100,7 +100,7 @@ gw_status gw_tiling_count(gw_tiling *tiling, const gw_points *part, gw_error *er
 
 /*
  * Makes tiles, once all points were counted.
- *   most    points of a tile with its halo, where that can be
+ *   most    points of a tile with its halo; or as many as the fullest cube has with its own
  *   least   tiles that there are to be, where there are as many cubes
  * Fails with GW_ERROR_MEMORY; with GW_ERROR_DATA where no points were counted.
  */

@@ -71,12 +71,14 @@ static size_t kept_of(uint64_t fit, uint64_t memory, uint64_t count)
 static void share_memory(parted_cloud *parted, uint64_t memory)
 {
 	uint64_t count = parted->file.count, fit = lasting_points(memory);
-	if (fit < PARTED_CLOUD_LEAST)
-		return; /* it holds no tile */
-	uint64_t all = fit < KEPT_MOST ? fit : KEPT_MOST;
-	uint64_t kept = all / 2 < count / 8 ? all / 2 : count / 8;
 	if (count <= PARTED_CLOUD_LEAST)
 		return;
+	if (fit < PARTED_CLOUD_LEAST) {
+		parted->memory_wanted = LASTING_FIXED_BYTES + LASTING_BYTES * (uint64_t)PARTED_CLOUD_LEAST;
+		return;
+	}
+	uint64_t all = fit < KEPT_MOST ? fit : KEPT_MOST;
+	uint64_t kept = all / 2 < count / 8 ? all / 2 : count / 8;
 	parted->most = (size_t)(kept > PARTED_CLOUD_LEAST ? kept : PARTED_CLOUD_LEAST);
 	parted->tile = (size_t)(all / 2);
 }

@@ -279,6 +279,25 @@ static gw_status open_transport(bake *b, const uint64_t **kept)
 	return input_file_check(&b->reused, gw_transport_note(&reused, &b->kept, b->error), b->error);
 }
 
+/* Whether the points can be lit by tiles, if they are to be. */
+static gw_status check_tiles(const bake *b)
+{
+	const char *path = b->settings->input[0].path;
+	if (b->settings->tiles == 0 || b->parted.most > 0)
+		return GW_OK;
+	if (b->parted.memory_wanted > 0)
+		return gw_fail(
+			b->error, GW_ERROR_USAGE,
+			"--tiles needs more memory than there is for it: say --memory %lluM, or more, "
+			"or leave it out, which lights some points of %s for all",
+			(unsigned long long)((b->parted.memory_wanted >> 20) + 1), path);
+	return gw_fail(b->error, GW_ERROR_USAGE,
+				   "--tiles lights one file whose points can be read in parts, a binary PLY, LAS "
+				   "or LAZ with more than %u points, to a file of one of these or E57; leave it "
+				   "out, or convert %s",
+				   PARTED_CLOUD_LEAST, path);
+}
+
 static gw_status read_inputs(bake *b)
 {
 	const uint64_t *kept;
@@ -287,13 +306,7 @@ static gw_status read_inputs(bake *b)
 	progress_show(&b->progress, "read", 0.0);
 	GW_TRY(parted_cloud_open(b->settings, b->settings->frames ? NULL : b->format, kept, &b->parted,
 							 b->error));
-	if (b->settings->tiles > 0 && b->parted.most == 0)
-		return gw_fail(
-			b->error, GW_ERROR_USAGE,
-			"--tiles lights one file whose points can be read in parts, a binary PLY, LAS "
-			"or LAZ with more than %u points, to a file of one of these or E57, in a --memory that "
-			"holds as many; leave it out, or convert %s",
-			PARTED_CLOUD_LEAST, b->settings->input[0].path);
+	GW_TRY(check_tiles(b));
 	GW_TRY(keep_account(b));
 	parted_cloud *parted = b->parted.most > 0 ? &b->parted : NULL;
 	gw_status status = loaded_scene_read_parted(b->settings, parted, &b->scene, b->error);

@@ -232,9 +232,21 @@ static uint64_t points_with(growing *g, const cube *next)
 	return g->points + g->more;
 }
 
+/* The most points that a cube has with its halo; g has not begun. A tile there has them, whatever
+ * it was to have, so that less memory is used by no other one's being smaller. */
+static uint64_t fullest_cube(growing *g)
+{
+	uint64_t most = 0;
+	for (uint32_t c = 0; c < g->tiling->count; c++) {
+		uint64_t points = points_with(g, &g->tiling->cube[c]);
+		most = points > most ? points : most;
+	}
+	return most;
+}
+
 /*
  * Cuts the cubes into runs. A tile ends where another cube would give it more than `most` points,
- * and where its share of the least number of tiles ends.
+ * or than one cube alone gives another tile, and where its share of the least number of tiles ends.
  */
 static gw_status cut(gw_tiling *t, uint64_t most, double least, gw_error *error)
 {
@@ -245,6 +257,8 @@ static gw_status cut(gw_tiling *t, uint64_t most, double least, gw_error *error)
 	g.last = gw_allocate_zeros(t->count, sizeof *g.last);
 	if (!g.last)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %u cubes of tiles", t->count);
+	uint64_t fullest = fullest_cube(&g);
+	most = fullest > most ? fullest : most;
 	for (uint32_t c = 0; c < t->count; c++) {
 		cube *next = &t->cube[c];
 		uint32_t now = (uint32_t)fmin((double)before / share, least - 1.0);

@@ -170,7 +170,7 @@ gw_status gw_buffer_borrow(gw_gpu *gpu, const gw_buffer_description *description
 
 /* Makes a borrowed buffer one that may be written to, by a copy of what is lent; any other one
  * stays as it is. For the rest as gw_buffer_create; on failure it is as before. */
-gw_status gw_buffer_make_own(gw_gpu *gpu, gw_buffer *buffer, gw_error *error);
+gw_status gw_buffer_own(gw_gpu *gpu, gw_buffer *buffer, gw_error *error);
 void gw_buffer_destroy(gw_gpu *gpu, gw_buffer *buffer); /* zeroes it; a zeroed one is accepted */
 
 /* Copies between host and buffer; `data` is the caller's again, or there, when they return. offset

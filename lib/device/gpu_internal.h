@@ -238,7 +238,4 @@ gw_status gw_pass_record(gw_gpu *gpu, gw_pass *pass, gw_slice slice, const gw_bi
 /* Books how long a step took. */
 void gw_pass_book(gw_gpu *gpu, gw_step step, double seconds);
 
-/* In place of what is lent the buffer gets memory of its own. */
-gw_status gw_buffer_own(gw_gpu *gpu, gw_buffer *buffer, gw_error *error);
-
 #endif

@@ -357,25 +357,6 @@ gw_status gw_buffer_borrow(gw_gpu *gpu, const gw_buffer_description *description
 	return GW_OK;
 }
 
-gw_status gw_buffer_make_own(gw_gpu *gpu, gw_buffer *buffer, gw_error *error)
-{
-	gw_buffer own;
-	if (!buffer->lent)
-		return GW_OK;
-	GW_TRY(gw_buffer_create_unset(
-		gpu,
-		&(gw_buffer_description){ GW_BUFFER_TEXEL, buffer->format, buffer->bytes, buffer->name },
-		&own, error));
-	gw_status status = gw_buffer_upload(gpu, &own, 0, buffer->mapped, buffer->bytes, error);
-	if (status == GW_OK) {
-		gw_buffer_destroy(gpu, buffer);
-		*buffer = own;
-	} else {
-		gw_buffer_destroy(gpu, &own);
-	}
-	return status;
-}
-
 gw_status gw_buffer_create(gw_gpu *gpu, const gw_buffer_description *description, gw_buffer *buffer,
 						   gw_error *error)
 {
@@ -557,6 +538,8 @@ void gw_view_close(gw_view *view)
 gw_status gw_buffer_own(gw_gpu *gpu, gw_buffer *buffer, gw_error *error)
 {
 	gw_buffer own;
+	if (!buffer->lent)
+		return GW_OK;
 	GW_TRY(gw_buffer_create_unset(
 		gpu,
 		&(gw_buffer_description){ GW_BUFFER_TEXEL, buffer->format, buffer->bytes, buffer->name },
@@ -571,8 +554,7 @@ gw_status gw_buffer_own(gw_gpu *gpu, gw_buffer *buffer, gw_error *error)
 gw_status gw_edit_open(gw_gpu *gpu, gw_buffer *buffer, gw_edit *edit, gw_error *error)
 {
 	*edit = (gw_edit){ 0 };
-	if (buffer->lent)
-		GW_TRY(gw_buffer_own(gpu, buffer, error));
+	GW_TRY(gw_buffer_own(gpu, buffer, error));
 	gw_view view;
 	GW_TRY(gw_view_open(gpu, buffer, buffer->bytes, &view, error));
 	*edit = (gw_edit){ view.copy ? view.copy : buffer->mapped, buffer, view.copy };

@@ -493,8 +493,8 @@ gw_status gw_records_weigh_facets(const gw_record_context *on, const gw_buffer *
 								  gw_error *error)
 {
 	gw_buffer facet = { 0 };
-	GW_TRY(gw_buffer_make_own(on->passes->gpu, &on->records->facet_record, error));
-	GW_TRY(gw_buffer_make_own(on->passes->gpu, &on->records->facet_weight, error));
+	GW_TRY(gw_buffer_own(on->passes->gpu, &on->records->facet_record, error));
+	GW_TRY(gw_buffer_own(on->passes->gpu, &on->records->facet_weight, error));
 	gw_status status = list_facets(on, &facet, error);
 	if (status == GW_OK)
 		status = weigh_rows(on, reach, &facet, error);
