@@ -5,6 +5,7 @@
 #include <pcl/common/centroid.h>
 #include <pcl/common/eigen.h>
 #include <pcl/point_types.h>
+#include <Eigen/Eigenvalues>
 
 #include "normals/plane_normal.h"
 
@@ -36,4 +37,19 @@ extern "C" gw_plane gw_plane_normal(const float *point, size_t count, float norm
 	} catch (...) {
 		return GW_PLANE_NO_MEMORY;
 	}
+}
+
+extern "C" bool gw_plane_of_covariance(const double covariance[6], double normal[3], double *least)
+{
+	Eigen::Matrix3d matrix;
+	const double *c = covariance;
+	matrix << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
+	if (!matrix.allFinite())
+		return false;
+	Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+	solver.computeDirect(matrix);
+	*least = solver.eigenvalues()[0];
+	for (int k = 0; k < 3; k++)
+		normal[k] = solver.eigenvectors()(k, 0);
+	return true;
 }

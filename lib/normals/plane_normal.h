@@ -4,6 +4,7 @@
 #ifndef PLANE_NORMAL_H
 #define PLANE_NORMAL_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 #ifdef __cplusplus
@@ -20,6 +21,13 @@ typedef enum gw_plane { GW_PLANE_FOUND, GW_PLANE_NONE, GW_PLANE_NO_MEMORY } gw_p
  * Returns GW_PLANE_NONE when the points give no plane (fewer than 3, not finite). Thread-safe.
  */
 gw_plane gw_plane_normal(const float *point, size_t count, float normal[3], float *curvature);
+
+/*
+ * The same of a covariance: xx, xy, xz, yy, yz, zz.
+ *   least   receives its smallest eigenvalue
+ * Returns false where it is not finite. Thread-safe.
+ */
+bool gw_plane_of_covariance(const double covariance[6], double normal[3], double *least);
 
 #ifdef __cplusplus
 }

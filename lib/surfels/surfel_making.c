@@ -11,6 +11,7 @@
 #include "normals/normals.h"
 #include "normals/plane_error.h"
 #include "surfels/filled_space.h"
+#include "surfels/noisy_surface.h"
 #include "surfels/plane_doubt.h"
 #include "surfels/surface_layers.h"
 #include "surfels/surfel_backs.h"
@@ -163,57 +164,84 @@ static gw_status sort_points(const gw_surfels_options *options, sorted_points *p
 }
 
 /* Layers are joined where the surface is thicker than this, until it is thinner than that, so many
- * times at most; what is not half as thick then is none in layers. Few points have none to lose. */
+ * times at most; what is not half as thick then is none in layers. Few points have none to lose.
+ * Where it is thicker yet, noise is as large as points are apart (noisy_surface.h): below that,
+ * planes that are wide enough for the noise take things apart that neighbours still show. */
 #define LAYERS_THICK 0.02
+#define NOISE_THICK 0.05
 #define LAYERS_THIN 0.008
 #define LAYERS_ROUNDS 5
 #define LAYERS_POINTS 10000u
 
-static gw_status join_often(sorted_points *p, const gw_surfels_options *options,
-							gw_neighbours **search, gw_surfels *surfels, double *thickness,
-							gw_error *error)
+/* Points whose surface may be too thick. */
+typedef struct thick_points {
+	sorted_points *p;
+	const gw_surfels_options *options;
+	gw_neighbours **search; /* is opened anew when they are moved */
+	gw_surfels *surfels;
+	double thickness;
+} thick_points;
+
+static gw_status open_anew(thick_points *t, gw_error *error)
+{
+	gw_neighbours_close(*t->search);
+	*t->search = NULL;
+	GW_TRY(make_frame_anew(t->options, t->p, t->surfels, error));
+	GW_TRY(gw_neighbours_open(t->surfels, t->options, t->search, error));
+	t->thickness = gw_surface_thickness(t->surfels, *t->search);
+	return GW_OK;
+}
+
+static gw_status join_often(thick_points *t, gw_error *error)
 {
 	size_t moved = 1;
-	double first = *thickness;
-	for (int round = 0; round < LAYERS_ROUNDS && moved > 0 && *thickness > LAYERS_THIN; round++) {
-		if (round > 1 && *thickness > 0.8 * first)
+	double first = t->thickness;
+	for (int round = 0; round < LAYERS_ROUNDS && moved > 0 && t->thickness > LAYERS_THIN; round++) {
+		if (round > 1 && t->thickness > 0.8 * first)
 			return GW_OK; /* it does not get thinner */
-		GW_TRY(gw_near_duplicates_join(surfels, *search, GW_NEAREST_PAIRS, p->position, &moved,
-									   error));
-		gw_neighbours_close(*search);
-		*search = NULL;
-		GW_TRY(make_frame_anew(options, p, surfels, error));
-		GW_TRY(gw_neighbours_open(surfels, options, search, error));
-		*thickness = gw_surface_thickness(surfels, *search);
+		GW_TRY(gw_near_duplicates_join(t->surfels, *t->search, GW_NEAREST_PAIRS, t->p->position,
+									   &moved, error));
+		GW_TRY(open_anew(t, error));
 	}
 	return GW_OK;
 }
 
-/* Of points of which no more is known than where they are. search is opened anew. */
-static gw_status join_layers(sorted_points *p, const gw_surfels_options *options,
-							 gw_neighbours **search, gw_surfels *surfels, gw_error *error)
+static gw_status flatten_noise(thick_points *t, gw_error *error)
 {
-	double *old = NULL, before, after;
-	if (options->choose || p->by_grid || surfels->normals_given > 0 || p->all->own_area ||
-		p->all->beam_share || surfels->count < LAYERS_POINTS)
-		return GW_OK;
-	before = after = gw_surface_thickness(surfels, *search);
-	if (!(before > LAYERS_THICK))
-		return GW_OK;
-	const double *places = p->rest.position;
-	GW_TRY(copy_places(p, &old, error));
-	gw_status status = join_often(p, options, search, surfels, &after, error);
-	if (status != GW_OK || after < 0.5 * before) {
+	size_t moved;
+	GW_TRY(gw_noisy_surface_flatten(t->surfels, *t->search, t->p->position, &moved, error));
+	return moved > 0 ? open_anew(t, error) : GW_OK;
+}
+
+/* Goes a way on which surface may get thin, and back where it has not become half as thick. */
+static gw_status try_way(gw_status (*way)(thick_points *, gw_error *), thick_points *t,
+						 gw_error *error)
+{
+	double *old = NULL, before = t->thickness;
+	const double *places = t->p->rest.position;
+	GW_TRY(copy_places(t->p, &old, error));
+	gw_status status = way(t, error);
+	if (status != GW_OK || t->thickness < 0.5 * before) {
 		free(old);
 		return status;
 	}
-	free(p->position);
-	p->position = old;
-	p->rest.position = places;
-	gw_neighbours_close(*search);
-	*search = NULL;
-	GW_TRY(make_frame_anew(options, p, surfels, error));
-	return gw_neighbours_open(surfels, options, search, error);
+	free(t->p->position);
+	t->p->position = old;
+	t->p->rest.position = places;
+	return open_anew(t, error);
+}
+
+/* Of points of which no more is known than where they are. search is opened anew. */
+static gw_status thin_surface(sorted_points *p, const gw_surfels_options *options,
+							  gw_neighbours **search, gw_surfels *surfels, gw_error *error)
+{
+	if (options->choose || p->by_grid || surfels->normals_given > 0 || p->all->own_area ||
+		p->all->beam_share || surfels->count < LAYERS_POINTS)
+		return GW_OK;
+	thick_points t = { p, options, search, surfels, gw_surface_thickness(surfels, *search) };
+	if (t.thickness > NOISE_THICK)
+		GW_TRY(try_way(flatten_noise, &t, error));
+	return t.thickness > LAYERS_THICK ? try_way(join_often, &t, error) : GW_OK;
 }
 
 /* search is opened anew when the points are moved. */
@@ -253,7 +281,7 @@ static gw_status make_surface(sorted_points *p, const gw_surfels_options *option
 	GW_TRY(gw_neighbours_open(surfels, options, &search, error));
 	gw_status status = go_on(options, error);
 	if (status == GW_OK)
-		status = join_layers(p, options, &search, surfels, error);
+		status = thin_surface(p, options, &search, surfels, error);
 	if (status == GW_OK && gap) {
 		*gap = gw_allocate_array(surfels->count, sizeof **gap);
 		if (!*gap)

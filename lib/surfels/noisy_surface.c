@@ -1,0 +1,398 @@
+/*
+ * noisy_surface.c - see noisy_surface.h.
+ *
+ * Points are sorted into cells half as wide as the reach of a plane, of which each knows its number
+ * of points and the sums of their coordinates and products. So a plane takes but the cells around
+ * its own, with weights that fall to 0 at its reach; and a point goes to where the planes of the
+ * cells around it have it, with such weights, too, that it makes no steps from cell to cell.
+ */
+#include "surfels/noisy_surface.h"
+
+#include "base/key_sort.h"
+#include "base/memory.h"
+#include "base/nth_element.h"
+#include "base/sorted_keys.h"
+#include "glowworm_picture.h"
+#include "normals/plane_normal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Reaches that are tried: from so many distances to the last of some neighbours, each so many times
+ * the one before. Where none will do, points fill space. */
+#define REACH_FIRST 2.0
+#define REACH_GROWTH 1.4142135623730951
+#define REACHES 9
+
+/* A reach will do from so many times on what its planes leave, root mean square. The weights see
+ * two thirds of the noise: so it is five standard deviations. */
+#define REACH_ENOUGH 7.5
+
+/* Places that say which, and points that are looked at for it at most. */
+#define PLACES 1024u
+#define POINTS_FOR_REACH 1000000u
+
+/* A plane is none where it leaves more than this share of all squares, as in corners, or where
+ * there are fewer points; and points further off it than so many times what it leaves are none of
+ * its surface. */
+#define SHARE_MOST 0.12
+#define POINTS_LEAST 8.0
+#define FAR_OFF 4.0
+
+/* The first planes are askew where noise lies on one side of them, in the outermost cells. */
+#define ROUNDS 2
+
+/* Cells along an axis. */
+#define CELLS_MOST 2097152.0
+
+/* Cells around a cell whose planes a point is put onto, and that its plane is taken from. */
+#define BESIDE 1
+#define AROUND 2
+#define BESIDE_COUNT 27u
+
+#define NO_CELL UINT32_MAX
+
+typedef struct cell {
+	double points, sum[3], product[6]; /* xx, xy, xz, yy, yz, zz */
+} cell;
+
+typedef struct cell_plane {
+	double normal[3], offset, left; /* metres: of what lies on it, and root mean square off it */
+	bool holds;
+} cell_plane;
+
+typedef struct flattening {
+	double *place;      /* 3 * count */
+	size_t count, step; /* every so many of these are looked at */
+	double low[3], reach;
+	gw_keyed *sorted; /* points by cells */
+	size_t sorted_count;
+	uint64_t *key; /* cells: their Morton keys, ascending */
+	size_t *first; /* cells + 1: in sorted */
+	cell *cell;    /* cells */
+	cell_plane *plane;
+	uint32_t *beside; /* BESIDE_COUNT a cell: those around it, or NO_CELL */
+	size_t cells;
+	uint8_t *moved; /* count */
+} flattening;
+
+static double squared(const double a[3], const double b[3])
+{
+	double x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
+	return x * x + y * y + z * z;
+}
+
+static double weight_at(double square, double reach)
+{
+	double left = 1.0 - square / (reach * reach);
+	return left > 0.0 ? left * left : 0.0;
+}
+
+/* -------------------------------------------------------------------------------------- cells */
+
+static uint64_t key_of(const flattening *f, const double *place)
+{
+	uint32_t at[3];
+	for (int k = 0; k < 3; k++) {
+		double along = floor(2.0 * (place[k] - f->low[k]) / f->reach);
+		at[k] = (uint32_t)fmin(fmax(along, 0.0), CELLS_MOST - 1.0);
+	}
+	return gw_morton_encode(at[0], at[1], at[2]);
+}
+
+static void clear_cells(flattening *f)
+{
+	free(f->key);
+	free(f->first);
+	free(f->cell);
+	free(f->plane);
+	free(f->beside);
+	f->key = NULL;
+	f->first = NULL;
+	f->cell = NULL;
+	f->plane = NULL;
+	f->beside = NULL;
+}
+
+static bool sort_points(flattening *f)
+{
+	size_t n = 0;
+	for (size_t i = 0; i < f->count; i += f->step)
+		f->sorted[n++] = (gw_keyed){ key_of(f, f->place + 3 * i), (uint32_t)i };
+	f->sorted_count = n;
+	if (!gw_sort_keyed(&f->sorted, n, 63, 0))
+		return false;
+	f->cells = 0;
+	for (size_t i = 0; i < n; i++)
+		f->cells += i == 0 || f->sorted[i].key != f->sorted[i - 1].key;
+	return true;
+}
+
+static bool list_cells(flattening *f)
+{
+	clear_cells(f);
+	f->key = gw_allocate_array(f->cells, sizeof *f->key);
+	f->first = gw_allocate_array(f->cells + 1, sizeof *f->first);
+	f->cell = gw_allocate_zeros(f->cells, sizeof *f->cell);
+	f->plane = gw_allocate_zeros(f->cells, sizeof *f->plane);
+	f->beside = gw_allocate_array(f->cells, BESIDE_COUNT * sizeof *f->beside);
+	if (!f->key || !f->first || !f->cell || !f->plane || !f->beside)
+		return false;
+	size_t at = 0;
+	for (size_t i = 0; i < f->sorted_count; i++)
+		if (i == 0 || f->sorted[i].key != f->sorted[i - 1].key) {
+			f->key[at] = f->sorted[i].key;
+			f->first[at++] = i;
+		}
+	f->first[at] = f->sorted_count;
+	return true;
+}
+
+static void add_point(cell *c, const double *p)
+{
+	const double product[6] = { p[0] * p[0], p[0] * p[1], p[0] * p[2],
+								p[1] * p[1], p[1] * p[2], p[2] * p[2] };
+	c->points += 1.0;
+	for (int k = 0; k < 3; k++)
+		c->sum[k] += p[k];
+	for (int k = 0; k < 6; k++)
+		c->product[k] += product[k];
+}
+
+static void sum_cells(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const flattening *f = user;
+	(void)worker;
+	for (size_t c = first; c < last; c++)
+		for (size_t i = f->first[c]; i < f->first[c + 1]; i++)
+			add_point(&f->cell[c], f->place + 3 * (size_t)f->sorted[i].item);
+}
+
+static uint32_t find_cell(const flattening *f, const uint32_t at[3], const int way[3])
+{
+	uint32_t to[3];
+	for (int k = 0; k < 3; k++) {
+		int64_t along = (int64_t)at[k] + way[k];
+		if (along < 0 || along >= (int64_t)CELLS_MOST)
+			return NO_CELL;
+		to[k] = (uint32_t)along;
+	}
+	uint64_t key = gw_morton_encode(to[0], to[1], to[2]);
+	size_t found = gw_lower_bound(f->key, f->cells, key);
+	return found < f->cells && f->key[found] == key ? (uint32_t)found : NO_CELL;
+}
+
+static void middle_of(const cell *c, double middle[3])
+{
+	for (int k = 0; k < 3; k++)
+		middle[k] = c->sum[k] / c->points;
+}
+
+/* ------------------------------------------------------------------------------------- planes */
+
+static void add_weighted(cell *sum, const cell *c, double weight)
+{
+	sum->points += weight * c->points;
+	for (int k = 0; k < 3; k++)
+		sum->sum[k] += weight * c->sum[k];
+	for (int k = 0; k < 6; k++)
+		sum->product[k] += weight * c->product[k];
+}
+
+/* The plane through what was summed up. */
+static cell_plane plane_of(const cell *sum)
+{
+	static const int row[6] = { 0, 0, 0, 1, 1, 2 }, column[6] = { 0, 1, 2, 1, 2, 2 };
+	cell_plane plane = { .holds = false };
+	double middle[3], covariance[6], least, all;
+	middle_of(sum, middle);
+	for (int k = 0; k < 6; k++)
+		covariance[k] = sum->product[k] / sum->points - middle[row[k]] * middle[column[k]];
+	all = covariance[0] + covariance[3] + covariance[5];
+	if (!gw_plane_of_covariance(covariance, plane.normal, &least))
+		return plane;
+	for (int k = 0; k < 3; k++)
+		plane.offset += plane.normal[k] * middle[k];
+	plane.left = sqrt(fmax(least, 0.0));
+	plane.holds = sum->points >= POINTS_LEAST && least < SHARE_MOST * all;
+	return plane;
+}
+
+static void find_plane(const flattening *f, size_t c)
+{
+	const cell *own = &f->cell[c];
+	cell sum = { 0 };
+	double middle[3], other[3];
+	uint32_t at[3], beside = 0;
+	int way[3];
+	gw_morton_decode(f->key[c], at);
+	middle_of(own, middle);
+	for (way[2] = -AROUND; way[2] <= AROUND; way[2]++)
+		for (way[1] = -AROUND; way[1] <= AROUND; way[1]++)
+			for (way[0] = -AROUND; way[0] <= AROUND; way[0]++) {
+				uint32_t found = find_cell(f, at, way);
+				if (abs(way[0]) <= BESIDE && abs(way[1]) <= BESIDE && abs(way[2]) <= BESIDE)
+					f->beside[BESIDE_COUNT * c + beside++] = found;
+				if (found == NO_CELL)
+					continue;
+				middle_of(&f->cell[found], other);
+				add_weighted(&sum, &f->cell[found], weight_at(squared(middle, other), f->reach));
+			}
+	f->plane[c] = plane_of(&sum);
+}
+
+static void find_planes(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const flattening *f = user;
+	(void)worker;
+	for (size_t c = first; c < last; c++)
+		find_plane(f, c);
+}
+
+/* Cells of a reach, and their planes. */
+static gw_status make_planes(flattening *f, gw_neighbours *search, double reach, gw_error *error)
+{
+	f->reach = reach;
+	if (!sort_points(f) || !list_cells(f))
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the planes of %zu points", f->count);
+	GW_TRY(gw_neighbours_loop(search, f->cells, sum_cells, f, error));
+	return gw_neighbours_loop(search, f->cells, find_planes, f, error);
+}
+
+/* ------------------------------------------------------------------------------------- reach */
+
+/* Half of the places have the last of some neighbours nearer than this. */
+static double usual_distance(const gw_surfels *s, gw_neighbours *search)
+{
+	float distance[PLACES];
+	size_t step = s->count / PLACES + 1, count = 0;
+	for (size_t i = 0; i < s->count; i += step) {
+		const float *p = s->position + 3 * i;
+		gw_neighbour_list list;
+		gw_neighbours_at(search, (const double[3]){ (double)p[0], (double)p[1], (double)p[2] },
+						 &list);
+		distance[count++] = list.count > 0 ? list.distance[list.count - 1] : 0.0f;
+	}
+	return count > 0 ? (double)gw_nth_element(distance, count, count / 2) : 0.0;
+}
+
+/* What planes leave at half of the points. */
+static double usually_left(const flattening *f)
+{
+	float left[PLACES];
+	size_t step = f->sorted_count / PLACES + 1, count = 0, c = 0;
+	for (size_t i = 0; i < f->sorted_count; i += step) {
+		while (f->first[c + 1] <= i)
+			c++;
+		left[count++] = (float)f->plane[c].left;
+	}
+	return count > 0 ? (double)gw_nth_element(left, count, count / 2) : 0.0;
+}
+
+/* The least reach that is wide for what its planes leave; 0: none is. */
+static gw_status find_reach(flattening *f, gw_neighbours *search, double reach, double *found,
+							gw_error *error)
+{
+	*found = 0.0;
+	f->step = f->count / POINTS_FOR_REACH + 1;
+	for (int k = 0; k < REACHES && *found == 0.0 && reach > 0.0; k++, reach *= REACH_GROWTH) {
+		GW_TRY(make_planes(f, search, reach, error));
+		if (reach > REACH_ENOUGH * usually_left(f))
+			*found = reach;
+	}
+	f->step = 1;
+	return GW_OK;
+}
+
+/* ------------------------------------------------------------------------------------ points */
+
+/* Where the planes of the cells around it have a point; false where there are none. */
+static bool settle(const flattening *f, size_t c, double *place)
+{
+	double sum = 0.0, way[3] = { 0 }, middle[3];
+	for (uint32_t j = 0; j < BESIDE_COUNT; j++) {
+		uint32_t other = f->beside[BESIDE_COUNT * c + j];
+		if (other == NO_CELL || !f->plane[other].holds)
+			continue;
+		const cell_plane *p = &f->plane[other];
+		double off = -p->offset;
+		for (int k = 0; k < 3; k++)
+			off += p->normal[k] * place[k];
+		middle_of(&f->cell[other], middle);
+		double weight = weight_at(squared(place, middle), f->reach);
+		if (fabs(off) > FAR_OFF * p->left)
+			continue;
+		for (int k = 0; k < 3; k++)
+			way[k] -= weight * off * p->normal[k];
+		sum += weight;
+	}
+	for (int k = 0; k < 3 && sum > 0.0; k++)
+		place[k] += way[k] / sum;
+	return sum > 0.0;
+}
+
+static void settle_points(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const flattening *f = user;
+	(void)worker;
+	for (size_t c = first; c < last; c++)
+		for (size_t i = f->first[c]; i < f->first[c + 1]; i++) {
+			size_t point = f->sorted[i].item;
+			f->moved[point] |= settle(f, c, f->place + 3 * point);
+		}
+}
+
+static gw_status flatten(flattening *f, gw_neighbours *search, double reach, gw_error *error)
+{
+	double found;
+	GW_TRY(find_reach(f, search, reach, &found, error));
+	for (int round = 0; round < ROUNDS && found > 0.0; round++) {
+		GW_TRY(make_planes(f, search, found, error));
+		GW_TRY(gw_neighbours_loop(search, f->cells, settle_points, f, error));
+	}
+	return GW_OK;
+}
+
+/* Hands the places of surfels on to their points. */
+static size_t hand_on(const flattening *f, const gw_surfels *s, double *position)
+{
+	size_t moved = 0;
+	for (size_t i = 0; i < s->count; i++)
+		moved += f->moved[i];
+	for (size_t i = 0; moved > 0 && i < s->point_count; i++) {
+		uint32_t surfel = s->surfel_of_point[i];
+		if (surfel == UINT32_MAX || !f->moved[surfel])
+			continue;
+		for (size_t k = 0; k < 3; k++)
+			position[3 * i + k] = s->origin[k] + f->place[3 * (size_t)surfel + k];
+	}
+	return moved;
+}
+
+gw_status gw_noisy_surface_flatten(const gw_surfels *surfels, gw_neighbours *search,
+								   double *position, size_t *moved, gw_error *error)
+{
+	size_t n = surfels->count;
+	flattening f = { .count = n, .step = 1 };
+	f.place = gw_allocate_array(n, 3 * sizeof *f.place);
+	f.sorted = gw_allocate_array(n, sizeof *f.sorted);
+	f.moved = gw_allocate_zeros(n, 1);
+	*moved = 0;
+	gw_status status = GW_OK;
+	if (!f.place || !f.sorted || !f.moved)
+		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the noise of %zu points", n);
+	for (int k = 0; k < 3; k++)
+		f.low[k] = (double)surfels->minimum[k];
+	for (size_t i = 0; status == GW_OK && i < 3 * n; i++)
+		f.place[i] = (double)surfels->position[i];
+	if (status == GW_OK)
+		status = flatten(&f, search, REACH_FIRST * usual_distance(surfels, search), error);
+	if (status == GW_OK)
+		*moved = hand_on(&f, surfels, position);
+	clear_cells(&f);
+	free(f.place);
+	free(f.sorted);
+	free(f.moved);
+	return status;
+}
