@@ -14,16 +14,15 @@
 
 typedef struct parted_cloud {
 	format_parts file;
-	size_t most; /* points that may be kept; 0: all of them fit, and are read as usual */
-	size_t tile; /* points of a tile with its halo, where all are lit by tiles */
-	uint64_t
-		memory_wanted; /* bytes; 0, or least memory that holds a tile, which is more than asked */
-	size_t part;       /* points that are read at once */
-	scan_told told;    /* after parted_cloud_thin: what the columns' values tell */
-	journal_file *journal; /* NULL; or that of parted_cloud_keep, closed by who opened it */
-	bool begun;            /* another run began it */
-	format_whole whole;    /* after parted_cloud_survey: of the results */
-	const format *format;  /* theirs, or NULL */
+	size_t most;            /* points that may be kept; 0: all of them fit, and are read as usual */
+	size_t tile;            /* points of a tile with its halo, where all are lit by tiles */
+	uint64_t memory_wanted; /* bytes: the least that holds a tile, where less was given, or 0 */
+	size_t part;            /* points that are read at once */
+	scan_told told;         /* after parted_cloud_thin: what the columns' values tell */
+	journal_file *journal;  /* NULL; or that of parted_cloud_keep, closed by who opened it */
+	bool begun;             /* another run began it */
+	format_whole whole;     /* after parted_cloud_survey: of the results */
+	const format *format;   /* theirs, or NULL */
 } parted_cloud;
 
 /*

@@ -94,8 +94,8 @@ static float facing_in_slab(const gw_surfels *s, size_t surfel, size_t other, do
 	return fabs(height) <= slab ? n[0] * m[0] + n[1] * m[1] + n[2] * m[2] : 0.0f;
 }
 
-/* Those on the other side of a thin sheet are of
- * the same surface, but more of leaves than of walls lie so by chance: half of them count. */
+/* Those on the other side of a thin sheet are of the same surface, but more of leaves than of walls
+ * lie so by chance: half of them count. */
 static void measure(void *user, size_t surfel, const gw_neighbour_list *list)
 {
 	const loose_step *step = user;

@@ -209,7 +209,8 @@ static gw_status join_often(thick_points *t, gw_error *error)
 static gw_status flatten_noise(thick_points *t, gw_error *error)
 {
 	size_t moved;
-	GW_TRY(gw_noisy_surface_flatten(t->surfels, *t->search, t->p->position, &moved, error));
+	GW_TRY(gw_noisy_surface_flatten(t->surfels, *t->search, t->options->threads, t->p->position,
+									&moved, error));
 	return moved > 0 ? open_anew(t, error) : GW_OK;
 }
 
