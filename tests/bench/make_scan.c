@@ -62,6 +62,7 @@ static const char usage[] =
 	"      --camera            depth cameras instead of scanners\n"
 	"      --rows N            of each station, as beams of scanners that turn (as even as "
 	"columns)\n"
+	"      --carried N         one scanner of N poses on a way through the scene, in PLY (0)\n"
 	"      --normals           write the true normals, in PLY and PCD\n"
 	"      --no-poses          E57 in the world's frame, and PCD without a viewpoint\n"
 	"      --noise X           standard deviation of the range, mm (0)\n"
@@ -133,6 +134,8 @@ static bool set_option(maker *m, const char *name, const char *text)
 		m->paths = (uint32_t)value;
 	else if (strcmp(name, "rows") == 0)
 		m->setup.rows = (size_t)value;
+	else if (strcmp(name, "carried") == 0)
+		m->setup.poses = (size_t)value;
 	else if (strcmp(name, "holes") == 0)
 		m->setup.faults.holes = (uint32_t)value;
 	else if (strcmp(name, "seed") == 0)
@@ -153,16 +156,27 @@ static bool read_arguments(maker *m, int count, char **argument)
 {
 	static const char *const formats_known[] = { "ply", "pcd", "ptx", "e57", NULL };
 	static const struct option long_option[] = {
-		{ "output", required_argument, NULL, 'o' },     { "format", required_argument, NULL, 'f' },
-		{ "points", required_argument, NULL, 'n' },     { "truth", required_argument, NULL, 't' },
-		{ "paths", required_argument, NULL, 'p' },      { "camera", no_argument, NULL, 1 },
-		{ "rows", required_argument, NULL, 1 },         { "normals", no_argument, NULL, 1 },
-		{ "no-poses", no_argument, NULL, 1 },           { "noise", required_argument, NULL, 1 },
-		{ "noise-growth", required_argument, NULL, 1 }, { "beam", required_argument, NULL, 1 },
-		{ "divergence", required_argument, NULL, 1 },   { "step", required_argument, NULL, 1 },
-		{ "registration", required_argument, NULL, 1 }, { "turn", required_argument, NULL, 1 },
-		{ "strays", required_argument, NULL, 1 },       { "holes", required_argument, NULL, 1 },
-		{ "seed", required_argument, NULL, 1 },         { NULL, 0, NULL, 0 },
+		{ "output", required_argument, NULL, 'o' },
+		{ "format", required_argument, NULL, 'f' },
+		{ "points", required_argument, NULL, 'n' },
+		{ "truth", required_argument, NULL, 't' },
+		{ "paths", required_argument, NULL, 'p' },
+		{ "camera", no_argument, NULL, 1 },
+		{ "rows", required_argument, NULL, 1 },
+		{ "normals", no_argument, NULL, 1 },
+		{ "carried", required_argument, NULL, 1 },
+		{ "no-poses", no_argument, NULL, 1 },
+		{ "noise", required_argument, NULL, 1 },
+		{ "noise-growth", required_argument, NULL, 1 },
+		{ "beam", required_argument, NULL, 1 },
+		{ "divergence", required_argument, NULL, 1 },
+		{ "step", required_argument, NULL, 1 },
+		{ "registration", required_argument, NULL, 1 },
+		{ "turn", required_argument, NULL, 1 },
+		{ "strays", required_argument, NULL, 1 },
+		{ "holes", required_argument, NULL, 1 },
+		{ "seed", required_argument, NULL, 1 },
+		{ NULL, 0, NULL, 0 },
 	};
 	int option, which = 0, kind = 0;
 	while ((option = getopt_long(count, argument, "o:f:n:t:p:", long_option, &which)) != -1) {
@@ -186,6 +200,8 @@ static bool is_grid(const maker *m)
 
 static gw_status check_format(maker *m)
 {
+	if (m->setup.poses > 0 && (m->setup.camera || strcmp(m->format, "ply") != 0))
+		return gw_fail(&m->error, GW_ERROR_USAGE, "a scanner that is carried has no grid; use ply");
 	if (is_grid(m) && truth_has_emission(&m->scene))
 		return gw_fail(&m->error, GW_ERROR_USAGE,
 					   "surfaces of this scene glow, which %s files can't say; use ply or pcd",

@@ -22,6 +22,7 @@ scans=${SCANS:-$root/build/scans}
 points=${POINTS:-40000}
 truth=${TRUTH:-8000}
 faults='--noise 3 --registration 3 --strays 0.0005 --beam 5 --divergence 0.5 --holes 3'
+drift='--noise 10 --registration 10 --turn 0.1 --beam 8 --divergence 1 --strays 0.001'
 
 # name, what make_scan is asked for
 cases="
@@ -41,16 +42,20 @@ rooms-real           rooms -f ply $faults
 rooms-ptx            rooms -f ptx $faults
 rooms-e57            rooms -f e57 $faults
 rooms-e57-world      rooms -f e57 --no-poses $faults
+rooms-carried        rooms -f ply --carried 300 $drift
 cornell-real         cornell -f ply $faults
 corridor-real        corridor -f ply $faults
 corridor-ptx         corridor -f ptx $faults
+corridor-carried     corridor -f ply --carried 300 $drift
 cave-clean           cave -f ply --normals
 cave-real            cave -f ply $faults
 cave-beams           cave -f ply --rows 32 --noise 10
+cave-carried         cave -f ply --carried 300 $drift
 cave-ptx             cave -f ptx $faults
 ruin-clean           ruin -f ply --normals
 ruin-real            ruin -f ply $faults
 ruin-ptx             ruin -f ptx $faults
+ruin-carried         ruin -f ply --carried 300 $drift
 ball-bare            ball -f ply
 ball-real            ball -f ply $faults
 ball-ptx             ball -f ptx $faults

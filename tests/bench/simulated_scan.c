@@ -18,6 +18,11 @@
 #define HOLE_SIZE 0.04    /* radius of a hole, of the scene's diagonal */
 #define HOLES 64
 
+#define BEAMS 16                     /* of a scanner that is carried */
+#define BEAMS_HALF (15 * PI / 180.0) /* up and down from its equator */
+#define WAY_FREE 0.8                 /* of a way that ends at a wall */
+#define DRIFT_WAVES 4                /* of a drift, and twice as many of there and back */
+
 typedef struct job {
 	const mesh_scene *scene;
 	const reference_tracer *tracer;
@@ -98,6 +103,81 @@ static void multiply(const double a[9], const double b[9], double out[9])
 			out[3 * i + k] = a[3 * i] * b[k] + a[3 * i + 1] * b[3 + k] + a[3 * i + 2] * b[6 + k];
 }
 
+/* A drift of standard deviation 1 along each axis at a share of the way: some waves. */
+static void drift_at(const job *j, uint64_t seed, double share, double out[3])
+{
+	uint64_t state = j->setup->seed * 0x9fb21c651e98df25u + seed;
+	for (size_t k = 0; k < 3; k++) {
+		out[k] = 0.0;
+		for (int wave = 1; wave <= DRIFT_WAVES; wave++)
+			out[k] +=
+				sqrt(2.0 / DRIFT_WAVES) * cos(2.0 * PI * (wave * share + random_number(&state)));
+	}
+}
+
+/* How far one gets from a station towards another: half-way, or almost to a wall that is nearer. */
+static double free_way(const job *j, const double from[3], const double to[3], double direction[3])
+{
+	double length = 0.0, distance;
+	uint32_t triangle;
+	for (size_t k = 0; k < 3; k++) {
+		direction[k] = to[k] - from[k];
+		length += direction[k] * direction[k];
+	}
+	length = sqrt(length);
+	if (length == 0.0)
+		return 0.0;
+	for (size_t k = 0; k < 3; k++)
+		direction[k] /= length;
+	bool met = reference_tracer_hit(j->tracer, from, direction, &triangle, &distance);
+	return met ? fmin(WAY_FREE * distance, 0.5 * length) : 0.5 * length;
+}
+
+/* Where on its way a scanner that is carried is: there in the first half, back in the second, from
+ * one station to the next. Where a wall is between, the way ends before it and goes on behind. */
+static void find_pose(const job *j, double share, double place[3])
+{
+	const mesh_scene *scene = j->scene;
+	size_t ways = scene->station_count > 1 ? scene->station_count - 1 : 1;
+	double along = (share < 0.5 ? 2.0 * share : 2.0 - 2.0 * share) * (double)ways, direction[3];
+	size_t way = (size_t)fmin(along, (double)ways - 1.0);
+	const double *from = scene->station[way];
+	const double *to = scene->station[(way + 1) % scene->station_count];
+	along -= (double)way;
+	double done = 2.0 * along;
+	if (along > 0.5) { /* the second half is walked from the other end */
+		const double *swapped = from;
+		from = to;
+		to = swapped;
+		done = 2.0 - 2.0 * along;
+	}
+	double walked = done * free_way(j, from, to, direction);
+	for (size_t k = 0; k < 3; k++)
+		place[k] = from[k] + walked * direction[k];
+}
+
+/* The scanner turns in the hand, and its axis with it. */
+static void place_pose(job *j)
+{
+	const scan_faults *f = &j->setup->faults;
+	station_scan *s = j->station;
+	uint64_t state = cell_state(j, SIZE_MAX);
+	double share = ((double)j->index + 0.5) / (double)j->setup->poses;
+	double off[3], turn[3], axis[3], error[9];
+	find_pose(j, share, s->place);
+	random_direction(&state, axis);
+	make_rotation(axis, 2.0 * PI * random_number(&state), s->true_axes);
+	drift_at(j, 1, share, off);
+	drift_at(j, 2, share, turn);
+	double angle = sqrt(turn[0] * turn[0] + turn[1] * turn[1] + turn[2] * turn[2]);
+	for (size_t k = 0; k < 3; k++) {
+		turn[k] /= fmax(angle, 1e-9);
+		s->own[k] = s->place[k] + f->registration * off[k];
+	}
+	make_rotation(turn, angle * f->registration_turn * PI / 180.0, error);
+	multiply(error, s->true_axes, s->axes);
+}
+
 /* A scanner stands upright and turned at random; a camera looks at the middle of the scene. */
 static void place_station(job *j)
 {
@@ -131,15 +211,22 @@ static void place_station(job *j)
 static void size_grid(station_scan *s, const scan_setup *setup, double step)
 {
 	double width = setup->camera ? 2.0 * CAMERA_HALF : 2.0 * PI;
-	double height = setup->camera ? 1.5 * CAMERA_HALF : HIGHEST - LOWEST;
-	double rows = setup->rows > 0 ? (double)setup->rows : fmax(4.0, round(height / step));
+	double height = setup->camera      ? 1.5 * CAMERA_HALF
+					: setup->poses > 0 ? 2.0 * BEAMS_HALF
+									   : HIGHEST - LOWEST;
+	double rows = setup->rows > 0    ? (double)setup->rows
+				  : setup->poses > 0 ? BEAMS
+									 : fmax(4.0, round(height / step));
+	bool as_many = setup->rows > 0 || setup->poses > 0;
 	s->rows = (size_t)rows;
-	s->columns = (size_t)fmax(
-		4.0, round(setup->rows > 0 ? width * height / (step * step) / rows : width / step));
+	s->columns =
+		(size_t)fmax(4.0, round(as_many ? width * height / (step * step) / rows : width / step));
 	s->column_step = width / (double)s->columns;
 	s->row_step = height / (double)s->rows;
 	s->left = setup->camera ? 0.5 * s->column_step - CAMERA_HALF : 0.0;
-	s->low = 0.5 * s->row_step + (setup->camera ? -0.75 * CAMERA_HALF : LOWEST);
+	s->low = 0.5 * s->row_step + (setup->camera      ? -0.75 * CAMERA_HALF
+								  : setup->poses > 0 ? -BEAMS_HALF
+													 : LOWEST);
 }
 
 /* --------------------------------------------------------------------------------- beams */
@@ -261,7 +348,10 @@ static gw_status scan_all(job *j, simulated_scan *scan, double step, gw_error *e
 	for (size_t i = 0; i < scan->station_count && status == GW_OK; i++) {
 		j->station = &scan->station[i];
 		j->index = i;
-		place_station(j);
+		if (j->setup->poses > 0)
+			place_pose(j);
+		else
+			place_station(j);
 		status = scan_station(j, step, &scan->count, error);
 	}
 	return status;
@@ -299,7 +389,11 @@ gw_status simulated_scan_make(const mesh_scene *scene, const scan_setup *setup,
 							  simulated_scan *scan, gw_error *error)
 {
 	reference_tracer *tracer;
-	*scan = (simulated_scan){ .station_count = scene->station_count };
+	size_t count = setup->poses > 0 ? setup->poses : scene->station_count;
+	*scan = (simulated_scan){ .station = calloc(count, sizeof *scan->station) };
+	if (!scan->station)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu stations", count);
+	scan->station_count = count;
 	gw_status status = reference_tracer_create(scene, &tracer, error);
 	if (status != GW_OK)
 		return status;
@@ -319,5 +413,6 @@ void simulated_scan_clear(simulated_scan *scan)
 {
 	for (size_t i = 0; i < scan->station_count; i++)
 		free(scan->station[i].cell);
+	free(scan->station);
 	*scan = (simulated_scan){ 0 };
 }

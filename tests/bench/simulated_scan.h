@@ -6,6 +6,9 @@
  * where some of them pass an edge and others do not (a mixed pixel). Noise and steps of the range
  * are along the beam. A station's whole scan is shifted and turned by its registration error, its
  * own place included.
+ *
+ * A scanner that is carried is one of sixteen beams that turns, whose stations are its poses on the
+ * way from one station of the scene to the next and back; its error is a drift along that way.
  */
 #ifndef SIMULATED_SCAN_H
 #define SIMULATED_SCAN_H
@@ -20,8 +23,9 @@ typedef struct scan_faults {
 	double noise_growth;      /* metres more of it a metre of range */
 	double step;              /* metres: ranges are multiples; of a camera, at 1 m, and growing with
 								 the square of the depth, as disparities do */
-	double registration;      /* metres that each station is off, in a random direction */
-	double registration_turn; /* degrees that each is turned about a random axis */
+	double registration;      /* metres that each station is off, in a random direction; of one that
+								 is carried, standard deviation of the drift along each axis */
+	double registration_turn; /* degrees that each is turned about a random axis; likewise */
 	double strays;            /* share of points that lie anywhere along their beams */
 	uint32_t holes;           /* places of which no beam comes back */
 } scan_faults;
@@ -32,6 +36,7 @@ typedef struct scan_setup {
 					 degrees; else a scanner that looks all around, but not straight down */
 	size_t rows;  /* of each station, as the beams of a scanner that turns; 0: rows are as far apart
 					 as  columns */
+	size_t poses; /* of a scanner that is carried; 0: scanners stand on the scene's stations */
 	scan_faults faults;
 	uint64_t seed;
 } scan_setup;
@@ -64,7 +69,7 @@ typedef struct station_scan {
 } station_scan;
 
 typedef struct simulated_scan {
-	station_scan station[MESH_STATIONS];
+	station_scan *station; /* owned, station_count */
 	size_t station_count;
 	size_t count; /* cells that are not empty */
 } simulated_scan;
