@@ -4,7 +4,8 @@
  * Points are sorted into cells half as wide as the reach of a plane, of which each knows its number
  * of points and the sums of their coordinates and products. So a plane takes but the cells around
  * its own, with weights that fall to 0 at its reach; and a point goes to where the planes of the
- * cells around it have it, with such weights, too, that it makes no steps from cell to cell.
+ * cells around it have it, with such weights, too, that it makes no steps from cell to cell. Planes
+ * of cells that an edge runs across leave more than those beside it, and count less there.
  */
 #include "surfels/noisy_surface.h"
 
@@ -43,6 +44,7 @@
  * its surface. */
 #define SHARE_MOST 0.12
 #define POINTS_LEAST 8.0
+#define EXACT 1e-12 /* share of all squares: less is rounding */
 #define FAR_OFF 4.0
 
 /* The first planes are askew where noise lies on one side of them, in the outermost cells. */
@@ -51,12 +53,22 @@
 /* Cells along an axis. */
 #define CELLS_MOST 2097152.0
 
-/* Cells around a cell whose planes a point is put onto, and that its plane is taken from. */
+/* Cells around a cell whose planes a point is put onto, and that its plane is taken from; near
+ * edges the latter for both. */
 #define BESIDE 1
 #define AROUND 2
-#define BESIDE_COUNT 27u
+#define AROUND_COUNT 125u
 
 #define NO_CELL UINT32_MAX
+
+/* The plane of a cell that leaves more than so many times what one beside it does, or none that
+ * holds, runs across an edge. */
+#define BENT 1.2
+
+/* There points go to planes from so many times as far, by how little these leave and how near they
+ * are, in standard deviations of the noise: these times what is left (REACH_ENOUGH). */
+#define EDGE_REACH 1.5
+#define DEVIATION 1.5
 
 typedef struct cell {
 	double points, sum[3], product[6]; /* xx, xy, xz, yy, yz, zz */
@@ -78,7 +90,6 @@ typedef struct flattening {
 	size_t *first; /* cells + 1: in sorted */
 	cell *cell;    /* cells */
 	cell_plane *plane;
-	uint32_t *beside; /* BESIDE_COUNT a cell: those around it, or NO_CELL */
 	size_t cells;
 	uint8_t *moved; /* count */
 } flattening;
@@ -113,12 +124,10 @@ static void clear_cells(flattening *f)
 	free(f->first);
 	free(f->cell);
 	free(f->plane);
-	free(f->beside);
 	f->key = NULL;
 	f->first = NULL;
 	f->cell = NULL;
 	f->plane = NULL;
-	f->beside = NULL;
 }
 
 static bool sort_points(flattening *f)
@@ -142,8 +151,7 @@ static bool list_cells(flattening *f)
 	f->first = gw_allocate_array(f->cells + 1, sizeof *f->first);
 	f->cell = gw_allocate_zeros(f->cells, sizeof *f->cell);
 	f->plane = gw_allocate_zeros(f->cells, sizeof *f->plane);
-	f->beside = gw_allocate_array(f->cells, BESIDE_COUNT * sizeof *f->beside);
-	if (!f->key || !f->first || !f->cell || !f->plane || !f->beside)
+	if (!f->key || !f->first || !f->cell || !f->plane)
 		return false;
 	size_t at = 0;
 	for (size_t i = 0; i < f->sorted_count; i++)
@@ -220,7 +228,7 @@ static cell_plane plane_of(const cell *sum)
 		return plane;
 	for (int k = 0; k < 3; k++)
 		plane.offset += plane.normal[k] * middle[k];
-	plane.left = sqrt(fmax(least, 0.0));
+	plane.left = sqrt(fmax(least, EXACT * all));
 	plane.holds = sum->points >= POINTS_LEAST && least < SHARE_MOST * all;
 	return plane;
 }
@@ -230,7 +238,7 @@ static void find_plane(const flattening *f, size_t c)
 	const cell *own = &f->cell[c];
 	cell sum = { 0 };
 	double middle[3], other[3];
-	uint32_t at[3], beside = 0;
+	uint32_t at[3];
 	int way[3];
 	gw_morton_decode(f->key[c], at);
 	middle_of(own, middle);
@@ -238,8 +246,6 @@ static void find_plane(const flattening *f, size_t c)
 		for (way[1] = -AROUND; way[1] <= AROUND; way[1]++)
 			for (way[0] = -AROUND; way[0] <= AROUND; way[0]++) {
 				uint32_t found = find_cell(f, at, way);
-				if (abs(way[0]) <= BESIDE && abs(way[1]) <= BESIDE && abs(way[2]) <= BESIDE)
-					f->beside[BESIDE_COUNT * c + beside++] = found;
 				if (found == NO_CELL)
 					continue;
 				middle_of(&f->cell[found], other);
@@ -320,22 +326,84 @@ static gw_status find_reach(flattening *f, gw_neighbours *search, double reach, 
 
 /* ------------------------------------------------------------------------------------ points */
 
-/* Where the planes of the cells around it have a point; false where there are none. */
-static bool settle(const flattening *f, size_t c, double *place)
+/* Planes that points of a cell may go to. */
+typedef struct planes_around {
+	const cell_plane *plane[AROUND_COUNT];
+	double middle[AROUND_COUNT][3]; /* of their cells */
+	uint32_t count;
+	double reach;
+	bool edge; /* runs across the cell */
+} planes_around;
+
+/* Those of cells so many cells away at most. */
+static void list_planes(const flattening *f, size_t c, int most, planes_around *around)
 {
-	double sum = 0.0, way[3] = { 0 }, middle[3];
-	for (uint32_t j = 0; j < BESIDE_COUNT; j++) {
-		uint32_t other = f->beside[BESIDE_COUNT * c + j];
-		if (other == NO_CELL || !f->plane[other].holds)
+	uint32_t at[3];
+	int way[3];
+	gw_morton_decode(f->key[c], at);
+	around->count = 0;
+	for (way[2] = -most; way[2] <= most; way[2]++)
+		for (way[1] = -most; way[1] <= most; way[1]++)
+			for (way[0] = -most; way[0] <= most; way[0]++) {
+				uint32_t found = find_cell(f, at, way);
+				if (found == NO_CELL || !f->plane[found].holds)
+					continue;
+				middle_of(&f->cell[found], around->middle[around->count]);
+				around->plane[around->count++] = &f->plane[found];
+			}
+}
+
+/* Does the plane of a cell leave more than one beside it does? */
+static bool is_bent(const cell_plane *own, const planes_around *beside)
+{
+	double least = INFINITY;
+	for (uint32_t j = 0; j < beside->count; j++)
+		least = fmin(least, beside->plane[j]->left);
+	return !own->holds || own->left > BENT * least;
+}
+
+static void look_around(const flattening *f, size_t c, planes_around *around)
+{
+	list_planes(f, c, BESIDE, around);
+	around->edge = is_bent(&f->plane[c], around);
+	around->reach = around->edge ? EDGE_REACH * f->reach : f->reach;
+	if (around->edge)
+		list_planes(f, c, AROUND, around);
+}
+
+/* How far a place is off a plane; infinity where that is too far for a place that lies on it. */
+static double off_plane(const cell_plane *p, const double *place)
+{
+	double off = -p->offset;
+	for (int k = 0; k < 3; k++)
+		off += p->normal[k] * place[k];
+	return fabs(off) > FAR_OFF * p->left ? INFINITY : off;
+}
+
+/* The least that a plane leaves on which a place may lie. */
+static double least_left(const planes_around *around, const double *place)
+{
+	double least = INFINITY;
+	for (uint32_t j = 0; j < around->count; j++)
+		if (isfinite(off_plane(around->plane[j], place)))
+			least = fmin(least, around->plane[j]->left);
+	return least;
+}
+
+/* Where the planes around have a point; false where there are none. */
+static bool settle(const planes_around *around, double *place)
+{
+	double sum = 0.0, way[3] = { 0 }, least = around->edge ? least_left(around, place) : 0.0;
+	for (uint32_t j = 0; j < around->count; j++) {
+		const cell_plane *p = around->plane[j];
+		double off = off_plane(p, place);
+		if (!isfinite(off))
 			continue;
-		const cell_plane *p = &f->plane[other];
-		double off = -p->offset;
-		for (int k = 0; k < 3; k++)
-			off += p->normal[k] * place[k];
-		middle_of(&f->cell[other], middle);
-		double weight = weight_at(squared(place, middle), f->reach);
-		if (fabs(off) > FAR_OFF * p->left)
-			continue;
+		double weight = weight_at(squared(place, around->middle[j]), around->reach);
+		if (around->edge) {
+			double flat = least / p->left, apart = off / (DEVIATION * p->left);
+			weight *= flat * flat * exp(-0.5 * apart * apart);
+		}
 		for (int k = 0; k < 3; k++)
 			way[k] -= weight * off * p->normal[k];
 		sum += weight;
@@ -349,11 +417,14 @@ static void settle_points(void *user, size_t first, size_t last, uint32_t worker
 {
 	const flattening *f = user;
 	(void)worker;
-	for (size_t c = first; c < last; c++)
+	for (size_t c = first; c < last; c++) {
+		planes_around around;
+		look_around(f, c, &around);
 		for (size_t i = f->first[c]; i < f->first[c + 1]; i++) {
 			size_t point = f->sorted[i].item;
-			f->moved[point] |= settle(f, c, f->place + 3 * point);
+			f->moved[point] |= settle(&around, f->place + 3 * point);
 		}
+	}
 }
 
 static gw_status flatten(flattening *f, gw_neighbours *search, double reach, gw_error *error)

@@ -427,6 +427,40 @@ static void noise_is_flattened(void **state)
 	clear_cloud(&c);
 }
 
+/*
+ * A floor and a wall whose points noise spreads by as much as they are apart: planes of five
+ * standard deviations run across their corner and would round it as far, so that of points between
+ * three and five of them away a third is lined up with neither. There a point is nearer to its own
+ * plane than noise is wide, and its sixteen neighbours, two deviations around it, all lie on that;
+ * a tenth is for noise.
+ */
+static void corners_stay_in_noise(void **state)
+{
+	(void)state;
+	const double apart = 0.1, noise = 0.1, width = 150 * apart;
+	cloud c = make_cloud(45000, false);
+	for (size_t i = 0; i < c.count; i++) {
+		double off = noise * gaussian(), along = width * uniform(), across = width * uniform();
+		set_point(&c, i, i % 2 ? along : off, across, i % 2 ? off : along);
+	}
+	gw_surfels s = make(&c);
+	double near = 0.0, right = 0.0;
+	for (size_t i = 0; i < c.count; i++) {
+		const double *p = c.position + 3 * i;
+		size_t axis = i % 2 ? 2 : 0, surfel = s.surfel_of_point[i];
+		if (p[2 - axis] < 3 * noise || p[2 - axis] > 5 * noise || surfel == UINT32_MAX)
+			continue;
+		near += 1.0;
+		right += fabs((double)s.normal[3 * surfel + axis]) > cos(20 * PI / 180);
+	}
+	print_message("%.1f %% of %.0f points near a corner within 20 degrees\n", 100 * right / near,
+				  near);
+	assert_true(near > 500.0 && right > 0.9 * near);
+	assert_sane(&s);
+	gw_surfels_clear(&s);
+	clear_cloud(&c);
+}
+
 /* Rough ground with trees on it is as thick as noise makes it, but not noise: nothing is moved. */
 static void trees_are_no_noise(void **state)
 {
@@ -2456,6 +2490,7 @@ int main(void)
 		cmocka_unit_test(points_at_one_place_become_one),
 		cmocka_unit_test(near_duplicates_become_one),
 		cmocka_unit_test(noise_is_flattened),
+		cmocka_unit_test(corners_stay_in_noise),
 		cmocka_unit_test(trees_are_no_noise),
 		cmocka_unit_test(layers_become_one),
 		cmocka_unit_test(points_that_are_not_finite_are_left_out),
