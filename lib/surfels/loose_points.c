@@ -18,8 +18,10 @@
  * the second. */
 #define ON_SURFACE 0.5f
 
-/* From this share on it is solid, and says what a point stands for. What is in between is beside
- * leaves, in corners, or on wires whose points lie in rows, so that many of one side are alike. */
+/* From this share on it is solid, and says what a point stands for, unless less than one in WITH_IT
+ * of its own neighbours lies on a surface with it, as of a stray before a wall. What is in between
+ * is beside leaves, in corners, or on wires whose points lie in rows, so that many of one side are
+ * alike. */
 #define SOLID 0.9f
 
 /* Lists of fewer neighbours than this say nothing: such points count as a surface. */
@@ -27,9 +29,13 @@
 
 /* In the midst of what is solid a point floats, as strays do and the rows of them that beams leave
  * which an edge has split, if so many of its neighbours are solid, and less than one in so many of
- * these lies on a surface with it: in a corner half of them do. Is it so many times the radius of
- * each of their discs away from that, too, it is as loose as on a leaf. */
+ * these lies on a surface with it: in a corner half of them do. So it does off a plane of those
+ * that face as it does, by so many times what they are off it themselves, and by so much of its
+ * disc's radius. Is it so many times the radius of each of their discs away, too, it is as loose as
+ * on a leaf. */
 #define SOLID_AROUND 3u
+#define OFF_PLANE 4.0
+#define OFF_DISC 0.5
 #define WITH_IT 4u
 #define FAR_AFLOAT 4.0
 
@@ -60,6 +66,8 @@ typedef struct stood_for {
 
 typedef struct loose_step {
 	const gw_surfels *surfels;
+	uint8_t *alone;     /* count, 1: hardly any of its neighbours lies on a surface with it, or
+						   it is off their plane */
 	const float *share; /* count, of neighbours: what the means are taken of */
 	float median;       /* m^2, of what is solid: what a point stands for */
 	float *mean;        /* count, receives them */
@@ -83,15 +91,46 @@ static double distance_between(const gw_surfels *s, size_t a, size_t b)
 	return sqrt(square);
 }
 
+/* Cosine between two surfels. */
+static float facing(const gw_surfels *s, size_t surfel, size_t other)
+{
+	const float *n = s->normal + 3 * surfel, *m = s->normal + 3 * other;
+	return n[0] * m[0] + n[1] * m[1] + n[2] * m[2];
+}
+
+/* How far one lies above the plane of a surfel, metres. */
+static double height_of(const gw_surfels *s, size_t surfel, size_t other)
+{
+	double height = 0.0;
+	for (size_t k = 0; k < 3; k++)
+		height += (double)s->normal[3 * surfel + k] *
+				  ((double)s->position[3 * other + k] - (double)s->position[3 * surfel + k]);
+	return height;
+}
+
 /* Cosine between two surfels that lie in one slab; 0: they do not. */
 static float facing_in_slab(const gw_surfels *s, size_t surfel, size_t other, double slab)
 {
-	const float *n = s->normal + 3 * surfel, *m = s->normal + 3 * other;
-	double height = 0.0;
-	for (size_t k = 0; k < 3; k++)
-		height += (double)n[k] *
-				  ((double)s->position[3 * other + k] - (double)s->position[3 * surfel + k]);
-	return fabs(height) <= slab ? n[0] * m[0] + n[1] * m[1] + n[2] * m[2] : 0.0f;
+	return fabs(height_of(s, surfel, other)) <= slab ? facing(s, surfel, other) : 0.0f;
+}
+
+/* Does a surfel float off a plane of those that face as it does? */
+static bool is_off_plane(const gw_surfels *s, size_t surfel, const gw_neighbour_list *list)
+{
+	double sum = 0.0, squares = 0.0, count = 0.0;
+	for (uint32_t j = 0; j < list->count; j++) {
+		size_t other = list->index[j];
+		if (!(facing(s, surfel, other) > (float)GW_SAME_SURFACE))
+			continue;
+		double height = height_of(s, surfel, other);
+		sum += height;
+		squares += height * height;
+		count += 1.0;
+	}
+	double mean = fabs(sum) / fmax(count, 1.0);
+	double scatter = sqrt(fmax(squares / fmax(count, 1.0) - mean * mean, 0.0));
+	return count >= TELLS && mean > OFF_PLANE * scatter &&
+		   mean > OFF_DISC * (double)s->radius[surfel];
 }
 
 /* Those on the other side of a thin sheet are of the same surface, but more of leaves than of walls
@@ -107,7 +146,10 @@ static void measure(void *user, size_t surfel, const gw_neighbour_list *list)
 		opposite += cosine < -(float)GW_SAME_SURFACE ? 0.5f : 0.0f;
 	}
 	bool tells = list->count >= TELLS;
-	step->mean[surfel] = tells ? (alike + opposite) / ((float)list->count - opposite) : 1.0f;
+	float share = tells ? (alike + opposite) / ((float)list->count - opposite) : 1.0f;
+	step->mean[surfel] = share;
+	step->alone[surfel] =
+		(float)WITH_IT * share < 1.0f || is_off_plane(step->surfels, surfel, list);
 }
 
 static void average(void *user, size_t surfel, const gw_neighbour_list *list)
@@ -145,12 +187,17 @@ static float disc_area(const gw_surfels *s, size_t i)
 	return (float)M_PI * s->radius[i] * s->radius[i];
 }
 
+static bool is_solid(const loose_step *step, const float *once, size_t i)
+{
+	return !(once[i] < SOLID) && !step->alone[i];
+}
+
 /* By its mean shares of its neighbours, and of those up to about twice as far. */
 static looseness how_loose(const loose_step *step, const float *once, const float *wide, size_t i)
 {
 	if (once[i] < ON_SURFACE && wide[i] < ON_SURFACE)
 		return LOOSE;
-	if (!(once[i] < SOLID) || !(disc_area(step->surfels, i) > WIDE_EVERYWHERE * step->median))
+	if (is_solid(step, once, i) || !(disc_area(step->surfels, i) > WIDE_EVERYWHERE * step->median))
 		return IN_BETWEEN;
 	return wide[i] < SOLID ? LOOSE_IF_WIDE : LOOSE_IF_AFLOAT;
 }
@@ -170,7 +217,7 @@ static gw_status choose(const float *once, const float *wide, loose_step *step, 
 {
 	size_t n = step->surfels->count, at = 0;
 	for (size_t i = 0; i < n; i++)
-		step->slots += once[i] < SOLID;
+		step->slots += !is_solid(step, once, i);
 	if (step->slots == 0)
 		return GW_OK;
 	step->slot = gw_allocate_array(n, sizeof *step->slot);
@@ -181,8 +228,9 @@ static gw_status choose(const float *once, const float *wide, loose_step *step, 
 	if (!step->slot || !step->row || !step->surfel || !step->area || !step->loose)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the leaves of %zu points", n);
 	for (size_t i = 0; i < n; i++) {
-		step->slot[i] = once[i] < SOLID ? (uint32_t)at : NO_SLOT;
-		if (once[i] < SOLID)
+		bool solid = is_solid(step, once, i);
+		step->slot[i] = solid ? NO_SLOT : (uint32_t)at;
+		if (!solid)
 			step->loose[at++] = (uint8_t)how_loose(step, once, wide, i);
 	}
 	return GW_OK;
@@ -214,7 +262,7 @@ static bool is_afloat(const loose_step *step, size_t surfel, const gw_neighbour_
 		solid++;
 	}
 	*far = near == 0;
-	return solid >= SOLID_AROUND && WITH_IT * with_it < solid;
+	return solid >= SOLID_AROUND && (WITH_IT * with_it < solid || is_off_plane(s, surfel, list));
 }
 
 /* How loose a point is, with its neighbours looked at, of which shares told so much. */
@@ -322,7 +370,8 @@ gw_status gw_loose_points_bound(gw_neighbours *search, const uint8_t *fixed, gw_
 	float *mean[3] = { gw_allocate_array(n, sizeof(float)), gw_allocate_array(n, sizeof(float)),
 					   gw_allocate_array(n, sizeof(float)) };
 	gw_status status = GW_OK;
-	if (!mean[0] || !mean[1] || !mean[2])
+	step.alone = gw_allocate_array(n, sizeof *step.alone);
+	if (!mean[0] || !mean[1] || !mean[2] || !step.alone)
 		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the leaves of %zu points", n);
 	if (status == GW_OK)
 		status = measure_shares(search, &step, mean, error);
@@ -338,6 +387,7 @@ gw_status gw_loose_points_bound(gw_neighbours *search, const uint8_t *fixed, gw_
 		bound_discs(&step, fixed, surfels);
 	for (int k = 0; k < 3; k++)
 		free(mean[k]);
+	free(step.alone);
 	free(step.slot);
 	free(step.row);
 	free(step.surfel);

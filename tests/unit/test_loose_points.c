@@ -68,6 +68,21 @@ static gw_points make_row(void)
 	return points;
 }
 
+/* The floor, with a hole in it if that is asked for, and one point above its middle that faces up.
+ */
+static gw_points make_stray(double height, double hole)
+{
+	gw_points points = make_tree();
+	const double middle[3] = { 0.5 * SIDE + 0.5, 0.5 * SIDE + 0.5, height };
+	points.count = 0;
+	for (size_t i = 0; i < FLOOR; i++)
+		if (hypot(position[3 * i] - middle[0], position[3 * i + 1] - middle[1]) >= hole)
+			memmove(position + 3 * points.count++, position + 3 * i, 3 * sizeof *position);
+	memcpy(position + 3 * points.count, middle, sizeof middle);
+	memcpy(normal + 3 * points.count++, (float[]){ 0.0f, 0.0f, 1.0f }, 3 * sizeof *normal);
+	return points;
+}
+
 /* How often somebody was asked whether to stop, and from which time on they want to. */
 typedef struct patience {
 	int asked, most;
@@ -186,6 +201,34 @@ static void rows_in_the_air_are_no_plates(void **state)
 	close_tree(&t);
 }
 
+/* One point above a floor faces as its neighbours do, all of which are solid, and is of no surface
+ * with them all the same: where its slab is too thin for them, and where it is not, above a hole
+ * that makes them as far away as three times its height. The former has a disc as wide as of even
+ * points, the latter, which is far from them, stands for as much as one of them. */
+static void strays_are_no_plates(void **state)
+{
+	(void)state;
+	static const double height[] = { 4.0, 2.1 }, hole[] = { 0.0, 5.6 };
+	static const float wide[] = { 8.0f, 4.0f }, ranks[] = { GW_DISC_RANK, 1.0f };
+	for (int k = 0; k < 2; k++) {
+		gw_error error;
+		tree t;
+		const gw_points points = make_stray(height[k], hole[k]);
+		open_points(&t, &points, wide[k], 2);
+		assert_int_equal(t.surfels.count, points.count);
+		assert_ok(gw_loose_points_bound(t.search, t.fixed, &t.surfels, &error), &error);
+		for (size_t i = 0; i < t.surfels.count; i++) {
+			double radius = (double)t.surfels.radius[i], area = PI * radius * radius;
+			double height_here = (double)t.surfels.position[3 * i + 2] + t.surfels.origin[2];
+			if (height_here < 0.5 * height[k])
+				assert_true(radius == (double)EVEN);
+			else /* areas of the floor are between 1 and 2 */
+				assert_true(area > ranks[k] * (1.0 - 1e-5) && area < ranks[k] * (2.0 + 1e-5));
+		}
+		close_tree(&t);
+	}
+}
+
 static void visit_nothing(void *user, size_t surfel, const gw_neighbour_list *list)
 {
 	(void)user, (void)surfel, (void)list;
@@ -227,6 +270,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(areas_of_the_floor_go_up),
 		cmocka_unit_test(rows_in_the_air_are_no_plates),
+		cmocka_unit_test(strays_are_no_plates),
 		cmocka_unit_test(it_stops_on_the_way_up),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
