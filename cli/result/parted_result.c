@@ -146,7 +146,7 @@ gw_status parted_result_load(const loaded_scene *scene, gw_bake_result **light, 
 	const gw_byte_source from = { journal_file_read, journal };
 	bool there;
 	*light = NULL;
-	GW_TRY(journal_file_begin(journal, "light", &there, error));
+	GW_TRY(journal_file_begin(journal, BAKE_JOURNAL_LIGHT, &there, error));
 	if (!there)
 		return GW_OK;
 	gw_status status = gw_bake_result_load(&from, light, error);

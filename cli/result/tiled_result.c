@@ -171,7 +171,7 @@ gw_status tiled_result_open(tiled_result *r, gw_error *error)
 	GW_TRY(tile_file_open(s->output, s->force, s->resume, &r->file, error));
 	if (!journal)
 		return sort_points(r, error);
-	GW_TRY(journal_file_begin(journal, "tiles", &there, error));
+	GW_TRY(journal_file_begin(journal, BAKE_JOURNAL_SORTED, &there, error));
 	GW_TRY(there ? tile_file_load(&r->file, &from, error) : sort_points(r, error));
 	if (!there)
 		GW_TRY(tile_file_save(&r->file, &to, error));

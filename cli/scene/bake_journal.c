@@ -146,6 +146,14 @@ static gw_status begin(bake_journal *journal, const char *text, gw_error *error)
 	return GW_OK;
 }
 
+/* What another run has kept is whole, or the bake does not go on with it. */
+static gw_status check_kept(const bake_journal *journal, bool tiles, gw_error *error)
+{
+	static const char *const tag[] = { BAKE_JOURNAL_KEPT, BAKE_JOURNAL_LIGHT, BAKE_JOURNAL_SORTED };
+	size_t count = sizeof tag / sizeof *tag - !tiles;
+	return journal->begun ? journal_file_check(journal->file, tag, count, error) : GW_OK;
+}
+
 gw_status bake_journal_open(const bake_journal_use *use, const settings *s,
 							const format_parts *input, bake_journal *journal, gw_error *error)
 {
@@ -155,6 +163,8 @@ gw_status bake_journal_open(const bake_journal_use *use, const settings *s,
 	gw_status status = journal_file_open(&journal->file, use->path, use->owner, use->keep, error);
 	if (status == GW_OK)
 		status = begin(journal, text, error);
+	if (status == GW_OK && use->owner)
+		status = check_kept(journal, s->tiles > 0, error);
 	free(text);
 	if (status != GW_OK)
 		journal_file_close(&journal->file, false);

@@ -17,6 +17,11 @@
  * after. */
 #define BAKE_JOURNAL_TILES ".tiles"
 
+/* Its sections after the first, in their order; the last where it has tiles. */
+#define BAKE_JOURNAL_KEPT "kept"
+#define BAKE_JOURNAL_LIGHT "light"
+#define BAKE_JOURNAL_SORTED "tiles"
+
 /* How a bake by parts keeps account. */
 typedef struct bake_journal_use {
 	const char *path; /* of the journal */
@@ -34,7 +39,8 @@ typedef struct bake_journal {
  *   journal   with the points that may be kept, which become what they were in the run that began
  *             it; its file is NULL on failure
  * GW_ERROR_USAGE where the journal is of another bake: other options or inputs, or another program;
- * the sentence says what differs. Else as for journal_file_open and journal_file_begin.
+ * the sentence says what differs. GW_ERROR_DATA where some of its sections is damaged. Else as for
+ * journal_file_open and journal_file_begin.
  */
 gw_status bake_journal_open(const bake_journal_use *use, const settings *settings,
 							const format_parts *input, bake_journal *journal, gw_error *error);

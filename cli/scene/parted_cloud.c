@@ -194,7 +194,7 @@ static gw_status choose_or_load(parted_cloud *parted, scan *cloud, gw_error *err
 	const gw_byte_sink to = { journal_file_write, journal };
 	const gw_byte_source from = { journal_file_read, journal };
 	bool there;
-	GW_TRY(journal_file_begin(journal, "kept", &there, error));
+	GW_TRY(journal_file_begin(journal, BAKE_JOURNAL_KEPT, &there, error));
 	GW_TRY(there ? scan_bytes_load(&from, cloud, error) : choose(parted, cloud, error));
 	if (!there)
 		GW_TRY(scan_bytes_save(cloud, &to, error));

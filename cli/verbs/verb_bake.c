@@ -745,10 +745,17 @@ static gw_status say_results(const bake *b)
 	return bake_report_goal(&b->facts, b->error);
 }
 
-/* What is done of a bake that failed. */
-static void say_what_is_kept(const bake *b)
+/* What is done of a bake that failed is kept for the same command. Where that is wrong nothing can
+ * go on with it; a run that began it has done nothing then, and leaves nothing behind. */
+static void settle_what_is_kept(bake *b, gw_status failed)
 {
-	if (b->settings->resume && b->parted.journal && b->output && !b->settings->quiet)
+	bool wrong = failed == GW_ERROR_USAGE || failed == GW_ERROR_DATA;
+	if (!b->settings->resume || !b->parted.journal || !b->output)
+		return;
+	if (failed == GW_ERROR_USAGE && !b->parted.begun && b->ranks.rank == 0) {
+		unlink(output_file_temporary(b->output));
+		journal_file_close(&b->parted.journal, true);
+	} else if (!wrong && !b->settings->quiet) {
 		text_message(
 			stderr,
 			"glowworm: note: what is done is kept in %s%s%s and %s; the same command goes on "
@@ -756,6 +763,7 @@ static void say_what_is_kept(const bake *b)
 			output_file_temporary(b->output), b->tiled.file.out ? ", " : "",
 			b->tiled.file.out ? output_file_temporary(b->tiled.file.out) : "",
 			journal_file_name(b->parted.journal));
+	}
 }
 
 gw_status verb_bake(settings *s, gw_error *error)
@@ -769,7 +777,7 @@ gw_status verb_bake(settings *s, gw_error *error)
 	if (status == GW_OK && b.result && b.ranks.rank == 0)
 		status = say_results(&b);
 	status = ranks_fail(&b.ranks, status, error);
-	say_what_is_kept(&b);
+	settle_what_is_kept(&b, status);
 	journal_file_close(&b.parted.journal, false);
 	output_file_abandon(&b.output);
 	output_file_abandon(&b.report);

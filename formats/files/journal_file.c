@@ -231,6 +231,30 @@ gw_status journal_file_end(journal_file *j, gw_error *error)
 	return journal_file_sync(j, error);
 }
 
+static gw_status check_section(journal_file *j, const char *tag, bool *there, gw_error *error)
+{
+	uint8_t bytes[1 << 14];
+	GW_TRY(journal_file_begin(j, tag, there, error));
+	if (!*there)
+		return GW_OK;
+	for (uint64_t left = j->section.length; left > 0;) {
+		size_t length = left < sizeof bytes ? (size_t)left : sizeof bytes;
+		GW_TRY(journal_file_read(j, bytes, length, error));
+		left -= length;
+	}
+	return journal_file_end(j, error);
+}
+
+gw_status journal_file_check(const journal_file *journal, const char *const *tag, size_t count,
+							 gw_error *error)
+{
+	journal_file ahead = *journal;
+	bool there = true;
+	for (size_t i = 0; i < count && there; i++)
+		GW_TRY(check_section(&ahead, tag[i], &there, error));
+	return GW_OK;
+}
+
 /* ---------------------------------------------------------------------------------------- slots */
 
 static uint64_t place_of(const journal_file *j, uint64_t part)

@@ -45,6 +45,15 @@ gw_status journal_file_write(void *journal, const void *bytes, size_t length, gw
 gw_status journal_file_read(void *journal, void *bytes, size_t length, gw_error *error);
 gw_status journal_file_end(journal_file *journal, gw_error *error);
 
+/*
+ * Reads what is there of the sections that come next, so that damage shows before anything is said
+ * or done; the next journal_file_begin begins where it did before.
+ *   tag   count of them, in their order
+ * GW_ERROR_DATA
+ */
+gw_status journal_file_check(const journal_file *journal, const char *const *tag, size_t count,
+							 gw_error *error);
+
 /* After all sections: makes the table of slots, or finds it. */
 gw_status journal_file_slots(journal_file *journal, uint64_t count, gw_error *error);
 /* False where that part is not done. */

@@ -61,13 +61,17 @@ damage lit.ply.part 200000
 truncate -s -40 lit.ply.resume
 glowworm bake $what -q --light "$lamp" -o lit.ply --resume
 cmp lit.ply whole.ply && rm -f lit.ply
-# Damage, other options, another input: refused.
-resume() { run "$@" --memory 150M --resume -q -o lit.ply; }
+# Damage, other options, another input: refused, and nothing else is said.
+resume() { run "$@" --memory 150M --resume -o lit.ply; }
 take_up
 damage lit.ply.resume 100
 resume 65 bake ${what%--memory*} --light "$lamp"
 take_up
 damage lit.ply.resume 60000
+resume 65 bake ${what%--memory*} --light "$lamp"
+# As well where it ends within the points that were kept.
+take_up
+truncate -s 9000 lit.ply.resume
 resume 65 bake ${what%--memory*} --light "$lamp"
 take_up
 resume 2 bake ${what%--memory*} --light 'sky radiance 2'
@@ -77,6 +81,11 @@ resume 2 bake ${what%--memory*} --light "$lamp" |
 	sed "s/ of [0-9]* bytes.*now/, now/
 		s/ of [0-9]* bytes.*sum [0-9a-f]*//"
 cmp lit.ply.resume killed.resume
+# A command that is wrong leaves nothing that the right one could not go on with.
+rm lit.ply.*
+resume 2 bake ${what%--memory*} --light 'point at floor:77 intensity 3'
+ls -A | grep '^lit\.ply'
+take_up
 # What nobody goes on with is named, and removed by --force.
 make_cave --points 1000 -o few.ply
 bake_few() { run 0 bake few.ply --light "$lamp" --effects lamps -o lit.ply "$@" | grep note; }

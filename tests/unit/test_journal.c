@@ -111,17 +111,20 @@ static void reads_what_it_wrote(void **state)
 	assert_int_equal(access("journal", F_OK), -1);
 }
 
-/* Reads all of it. */
+/* Reads all of it; what is said of it before is the same. */
 static gw_status read_journal(bool there[2], unsigned *slots)
 {
 	gw_error error;
 	journal_slot slot;
 	journal_file *journal = open_journal();
+	const char *const tag[] = { "one", "two" };
+	gw_status checked = journal_file_check(journal, tag, 2, &error);
 	*slots = 0;
 	there[1] = false;
 	gw_status status = get_section(journal, "one", "what it is", &there[0]);
 	if (status == GW_OK && there[0])
 		status = get_section(journal, "two", "what was kept", &there[1]);
+	assert_int_equal(checked, status);
 	if (status == GW_OK && there[1]) {
 		assert_ok(journal_file_slots(journal, 4, &error), &error);
 		for (uint64_t part = 0; part < 4; part++)
