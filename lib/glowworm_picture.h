@@ -693,9 +693,6 @@ void gw_morton_decode(uint64_t key, uint32_t cell[3]);
  * down. */
 #define GW_COMPARE_WORST 100u
 
-/* No partner, in a match. */
-#define GW_COMPARE_NONE SIZE_MAX
-
 /* The difference of one quantity. All but the means are shares of truth_mean, 1 meaning 100 %;
  * they are infinite when the truth is dark and the other is not. */
 typedef struct gw_comparison {
@@ -722,23 +719,23 @@ gw_status gw_compare(const double *found, const double *truth, size_t count,
 
 /* Keys that points are matched by. */
 typedef struct gw_compare_keys {
-	const double *key; /* as many numbers each as gw_compare_match is told */
+	const double *key; /* as many numbers each as gw_compare_order is told */
 	size_t count;
 } gw_compare_keys;
 
 /*
- * Finds to each key of `of` the place of the equal one in `among`, all of them
- * `width` numbers wide (3 for positions, 1 for an index). Equal means equal as numbers, so -0 is 0;
- * a key with a NaN equals none. Where several are equal, the first finds the first, the second the
- * second, so that the same cloud in the same order finds itself; those that are too many find none.
+ * Puts keys of `width` numbers (3 for positions, 1 for an index) in order, so that two clouds are
+ * matched by going through both together. Equal ones stay as they stood; -0 is 0. A key with a NaN
+ * equals none and is left out. Which of several points with one key is which of several of another
+ * cloud, their order does not say: some programs and formats change it.
  *
  *   width       1 to 3
- *   match       receives of.count places, or GW_COMPARE_NONE
- *   missing     receives how many found none
+ *   order       receives the places of the keys, at most keys.count
+ *   count       receives how many
  *   error       GW_ERROR_MEMORY
  */
-gw_status gw_compare_match(gw_compare_keys of, gw_compare_keys among, size_t width, size_t *match,
-						   size_t *missing, gw_error *error);
+gw_status gw_compare_order(gw_compare_keys keys, size_t width, size_t *order, size_t *count,
+						   gw_error *error);
 
 /*
  * The places of the `wanted` largest magnitudes, largest first; among equal ones the smaller place

@@ -209,6 +209,9 @@ void compare_figures_print(const compare_figures *f, FILE *out)
 	const int width = width_of_names(f);
 	fprintf(out, "%s against %s, points matched by %s: %zu compared", m->found_name, m->truth_name,
 			matched_by_name(m->by), m->count);
+	if (m->untold)
+		fprintf(out, ", %zu of which only their light tells from others at their %s", m->untold,
+				m->by == MATCHED_BY_INDEX ? "index" : "place");
 	if (m->emitting)
 		fprintf(out, ", %zu left out that emit", m->emitting);
 	if (m->not_finite)
@@ -252,6 +255,8 @@ void compare_figures_json(const compare_figures *f, bool missed, FILE *out)
 	json_put_count(&json, "points", m->count);
 	json_put_count(&json, "emitting", m->emitting);
 	json_put_count(&json, "not_finite", m->not_finite);
+	json_put_count(&json, "shared", m->shared);
+	json_put_count(&json, "told_by_light", m->untold);
 	json_put_bool(&json, "missed", missed);
 	json_put_real(&json, "truth_error", f->truth_error);
 	json_put_real(&json, "beyond_truth_error", beyond_truth(f));

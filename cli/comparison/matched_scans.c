@@ -1,4 +1,5 @@
 #include "comparison/matched_scans.h"
+#include "comparison/shared_places.h"
 #include "glowworm_picture.h"
 #include "las/las_notes.h"
 #include "points/scan_color.h"
@@ -24,23 +25,121 @@ static double *make_keys(const scan *cloud, const scan_column *const *column, si
 	return key;
 }
 
+/* The points of one cloud in the order of their keys. */
+typedef struct sorted_points {
+	double *key;   /* width each, by point */
+	size_t *order; /* those that have a place */
+	size_t width, count;
+} sorted_points;
+
+static gw_status sort_points(const scan *cloud, const scan_column *const *column, size_t width,
+							 const grid *on, sorted_points *s, gw_error *error)
+{
+	*s = (sorted_points){ .width = width };
+	s->key = make_keys(cloud, column, width, on);
+	s->order = reallocarray(NULL, cloud->count ? cloud->count : 1, sizeof *s->order);
+	if (!s->key || !s->order)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to match the points");
+	const gw_compare_keys keys = { s->key, cloud->count };
+	return gw_compare_order(keys, width, s->order, &s->count, error);
+}
+
+static void clear_points(sorted_points *s)
+{
+	free(s->key);
+	free(s->order);
+}
+
+/* Below 0, 0 or above 0, as point i of the one comes before point j of the other. */
+static int compare_keys(const sorted_points *a, size_t i, const sorted_points *b, size_t j)
+{
+	const double *x = a->key + a->width * a->order[i], *y = b->key + b->width * b->order[j];
+	for (size_t k = 0; k < a->width; k++)
+		if (x[k] != y[k])
+			return x[k] < y[k] ? -1 : 1;
+	return 0;
+}
+
+/* How many points from i on have its key. */
+static size_t count_alike(const sorted_points *s, size_t i)
+{
+	size_t count = 1;
+	while (i + count < s->count && compare_keys(s, i, s, i + count) == 0)
+		count++;
+	return count;
+}
+
+/* Goes through both clouds: points that are alone at their place are partners. Returns at how many
+ * places there are more; place, if not NULL, receives them. */
+static size_t pair_lone(const sorted_points *truth, const sorted_points *found, size_t *in_found,
+						shared_place *place)
+{
+	size_t shared = 0;
+	for (size_t i = 0, j = 0; i < truth->count && j < found->count;) {
+		int order = compare_keys(truth, i, found, j);
+		size_t mine = order <= 0 ? count_alike(truth, i) : 0;
+		size_t other = order >= 0 ? count_alike(found, j) : 0;
+		if (mine == 1 && other == 1)
+			in_found[truth->order[i]] = found->order[j];
+		else if (order == 0 && place)
+			place[shared] = (shared_place){ truth->order + i, found->order + j, mine, other };
+		shared += order == 0 && mine + other > 2;
+		i += mine;
+		j += other;
+	}
+	return shared;
+}
+
+/* Whether both clouds have the same columns in one order, but for the rounding. */
+static bool is_in_order(const matched_scans *m, const scan_column *const *found,
+						const scan_column *const *truth, size_t width, double rounding)
+{
+	bool same = m->found->count == m->truth->count;
+	for (size_t i = 0; i < m->truth->count && same; i++)
+		for (size_t k = 0; k < width && same; k++) {
+			double one = scan_value(found[k], i), other = scan_value(truth[k], i);
+			same = fabs(one - other) <= rounding || (!isfinite(one) && !isfinite(other));
+		}
+	return same;
+}
+
+/* Those that are not. */
+static gw_status pair_shared(matched_scans *m, const sorted_points *truth,
+							 const sorted_points *found, size_t count, bool in_order,
+							 gw_error *error)
+{
+	shared_places places = { m->truth, m->found, .count = count, .in_order = in_order,
+							 .in_found = m->in_found };
+	places.place = reallocarray(NULL, count, sizeof *places.place);
+	if (!places.place)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu places of several points", count);
+	pair_lone(truth, found, m->in_found, places.place);
+	gw_status status = shared_places_pair(&places, error);
+	for (size_t i = 0; i < count; i++)
+		m->shared += places.place[i].truth_count;
+	m->untold = places.untold;
+	free(places.place);
+	return status;
+}
+
 /* on: of three columns, or NULL */
-static gw_status match_columns(const matched_scans *m, const scan_column *const *found,
+static gw_status match_columns(matched_scans *m, const scan_column *const *found,
 							   const scan_column *const *truth, size_t width, const grid *on,
 							   gw_error *error)
 {
-	size_t missing;
-	double *key = make_keys(m->truth, truth, width, on);
-	double *among = make_keys(m->found, found, width, on);
-	gw_status status = GW_OK;
-	if (key && among)
-		status = gw_compare_match((gw_compare_keys){ key, m->truth->count },
-								  (gw_compare_keys){ among, m->found->count }, width, m->in_found,
-								  &missing, error);
-	else
-		status = gw_fail(error, GW_ERROR_MEMORY, "no memory to match the points");
-	free(key);
-	free(among);
+	sorted_points its, mine = { 0 };
+	gw_status status = sort_points(m->truth, truth, width, on, &its, error);
+	if (status == GW_OK)
+		status = sort_points(m->found, found, width, on, &mine, error);
+	for (size_t i = 0; i < m->truth->count; i++)
+		m->in_found[i] = MATCHED_NONE;
+	m->shared = m->untold = 0;
+	size_t shared = status == GW_OK ? pair_lone(&its, &mine, m->in_found, NULL) : 0;
+	if (shared > 0)
+		status =
+			pair_shared(m, &its, &mine, shared, is_in_order(m, found, truth, width, 0.0), error);
+	clear_points(&its);
+	clear_points(&mine);
 	return status;
 }
 
@@ -94,11 +193,11 @@ static size_t count_emitting(matched_scans *m, const scan_column *const position
 	for (size_t i = 0; i < m->truth->count; i++) {
 		size_t partner = m->in_found[i];
 		bool nowhere = is_nowhere(position, i);
-		emitter[i] = any && !nowhere && partner != GW_COMPARE_NONE &&
-					 emits(emission, of_truth ? i : partner);
+		emitter[i] =
+			any && !nowhere && partner != MATCHED_NONE && emits(emission, of_truth ? i : partner);
 		m->not_finite += nowhere;
 		m->emitting += emitter[i];
-		without += !nowhere && partner == GW_COMPARE_NONE;
+		without += !nowhere && partner == MATCHED_NONE;
 		lit += !nowhere && !emitter[i];
 	}
 	/* Where all is luminous, light that is reflected can only be told by comparing all of it. */
@@ -140,20 +239,16 @@ static double rounding_of(const scan *cloud, const scan_column *const position[3
 	return fmin(ROUNDED_MOST, ROUNDED_SHARE * longest);
 }
 
-/* Whether both have the same points in one order, rounded. Then they are partners. */
+/* Those that have the same places in one order, rounded, are partners. */
 static void match_by_order(matched_scans *m, const scan_column *const found[3],
 						   const scan_column *const truth[3])
 {
-	double rounding = rounding_of(m->truth, truth);
-	bool same = m->found->count == m->truth->count;
-	for (size_t i = 0; i < m->truth->count && same; i++)
-		for (int k = 0; k < 3 && same; k++) {
-			double one = scan_value(found[k], i), other = scan_value(truth[k], i);
-			same = fabs(one - other) <= rounding || (!isfinite(one) && !isfinite(other));
-		}
-	for (size_t i = 0; i < m->truth->count && same; i++)
+	if (!is_in_order(m, found, truth, 3, rounding_of(m->truth, truth)))
+		return;
+	for (size_t i = 0; i < m->truth->count; i++)
 		m->in_found[i] = i;
-	m->by = same ? MATCHED_BY_ORDER : m->by;
+	m->by = MATCHED_BY_ORDER;
+	m->shared = m->untold = 0;
 }
 
 /* The grid of a scan that was LAS. */
@@ -171,7 +266,7 @@ static bool lacks_partners(const matched_scans *m, const scan_column *const posi
 {
 	bool lacks = false;
 	for (size_t i = 0; i < m->truth->count && !lacks; i++)
-		lacks = m->in_found[i] == GW_COMPARE_NONE && !is_nowhere(position, i);
+		lacks = m->in_found[i] == MATCHED_NONE && !is_nowhere(position, i);
 	return lacks;
 }
 

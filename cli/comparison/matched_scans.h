@@ -14,6 +14,9 @@ typedef enum matched_by {
 							a format: a millimetre at most, and a 100,000th of their extent */
 } matched_by;
 
+/* No partner, among those of a point. */
+#define MATCHED_NONE SIZE_MAX
+
 /* "index", "position", "order". */
 const char *matched_by_name(matched_by by);
 
@@ -27,12 +30,16 @@ typedef struct matched_scans {
 	size_t *in_truth;  /* owned */
 	size_t emitting;   /* points left out because they emit light */
 	size_t not_finite; /* points left out because they are nowhere */
+	size_t shared; /* points of the truth at a place, or with a number, that others have, too; */
+	size_t untold; /* and those of them that only their light tells from others: shared_places.h
+					*/
 } matched_scans;
 
 /*
  * Finds the partner of every point of the truth, which may have fewer points than what is compared
  * with it. Points without a finite position are left out, and so are those that emit light (by the
- * truth's columns emission_*, else by the other's), unless all do.
+ * truth's columns emission_*, else by the other's), unless all do. Points that share their place
+ * are paired as shared_places.h says, unless both clouds have the same places in one order.
  *
  *   match   its scans and names are set by the caller; the rest is filled in, to be freed with
  *           matched_scans_clear

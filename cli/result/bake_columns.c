@@ -65,7 +65,7 @@ static bool is_of(const column_group *g, const char *name)
 		   !name[length + 2];
 }
 
-static bool is_light(const char *name)
+bool bake_columns_is_light(const char *name)
 {
 	static const char of_lamp[] = "scalar_light_";
 	if (strncmp(name, of_lamp, sizeof of_lamp - 1) == 0)
@@ -133,7 +133,7 @@ void bake_columns_round(scan *cloud, const settings *s)
 		[SETTINGS_LAS_BFLOAT16] = 8,
 	};
 	if (kept[s->las_radiance])
-		round_columns(cloud, is_light, round_to_bits, kept[s->las_radiance]);
+		round_columns(cloud, bake_columns_is_light, round_to_bits, kept[s->las_radiance]);
 	if (s->las_step <= 0.0f)
 		return;
 	round_columns(cloud, is_normal, round_normal, 0);

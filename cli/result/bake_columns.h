@@ -17,6 +17,9 @@ typedef enum bake_columns {
 /* Removes those of an earlier bake, but not scalar_light_* (lamp_columns.h); returns how many. */
 size_t bake_columns_remove(scan *cloud, bake_columns which);
 
+/* Whether a column of that name is a bake's light, or made of it. */
+bool bake_columns_is_light(const char *name);
+
 /*
  * Rounds what options ask for. Of light, the columns of lamps too, --las-radiance keeps 11 bits, as
  * half floats have them, or 8: a value is off by 2^-11 or 2^-8 of itself at most, however large or

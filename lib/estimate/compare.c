@@ -102,7 +102,7 @@ gw_status gw_compare(const double *found, const double *truth, size_t count,
 	return status;
 }
 
-/* --------------------------------------------------------------------------------- matching */
+/* ------------------------------------------------------------------------------------ order */
 
 /* A key and where it stood. */
 typedef struct placed_key {
@@ -110,75 +110,37 @@ typedef struct placed_key {
 	size_t place;
 } placed_key;
 
-static int compare_keys(const double a[3], const double b[3])
-{
-	for (int k = 0; k < 3; k++)
-		if (a[k] != b[k])
-			return a[k] < b[k] ? -1 : 1;
-	return 0;
-}
-
 static int by_key(const void *a, const void *b)
 {
 	const placed_key *x = a, *y = b;
-	int order = compare_keys(x->key, y->key);
-	return order ? order : (x->place > y->place) - (x->place < y->place);
+	for (int k = 0; k < 3; k++)
+		if (x->key[k] != y->key[k])
+			return x->key[k] < y->key[k] ? -1 : 1;
+	return (x->place > y->place) - (x->place < y->place);
 }
 
-/* The keys without NaN, sorted; *sorted_count receives how many those are. */
-static placed_key *sort_keys(const double *key, size_t count, size_t width, size_t *sorted_count)
+gw_status gw_compare_order(gw_compare_keys keys, size_t width, size_t *order, size_t *count,
+						   gw_error *error)
 {
-	placed_key *sorted = gw_allocate_array(count, sizeof *sorted);
+	placed_key *sorted = gw_allocate_array(keys.count, sizeof *sorted);
 	size_t n = 0;
-	for (size_t i = 0; sorted && i < count; i++) {
+	if (!sorted)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to match %zu points", keys.count);
+	for (size_t i = 0; i < keys.count; i++) {
 		bool number = true;
 		sorted[n] = (placed_key){ .place = i };
 		for (size_t k = 0; k < width; k++) {
-			sorted[n].key[k] = key[width * i + k];
+			sorted[n].key[k] = keys.key[width * i + k];
 			number = number && !isnan(sorted[n].key[k]);
 		}
 		n += number;
 	}
-	if (sorted)
-		qsort(sorted, n, sizeof *sorted, by_key);
-	*sorted_count = n;
-	return sorted;
-}
-
-/* Walks both sorted lists together; equal keys pair up in order. */
-static size_t merge(const placed_key *key, size_t count, const placed_key *among,
-					size_t among_count, size_t *match)
-{
-	size_t found = 0, j = 0;
-	for (size_t i = 0; i < count; i++) {
-		while (j < among_count && compare_keys(among[j].key, key[i].key) < 0)
-			j++;
-		if (j < among_count && compare_keys(among[j].key, key[i].key) == 0) {
-			match[key[i].place] = among[j++].place;
-			found++;
-		}
-	}
-	return found;
-}
-
-gw_status gw_compare_match(gw_compare_keys of, gw_compare_keys among, size_t width, size_t *match,
-						   size_t *missing, gw_error *error)
-{
-	size_t n, m = 0;
-	placed_key *left = sort_keys(of.key, of.count, width, &n);
-	placed_key *right = left ? sort_keys(among.key, among.count, width, &m) : NULL;
-	gw_status status = GW_OK;
-	if (right) {
-		for (size_t i = 0; i < of.count; i++)
-			match[i] = GW_COMPARE_NONE;
-		*missing = of.count - merge(left, n, right, m, match);
-	} else {
-		status = gw_fail(error, GW_ERROR_MEMORY, "no memory to match %zu points with %zu", of.count,
-						 among.count);
-	}
-	free(left);
-	free(right);
-	return status;
+	qsort(sorted, n, sizeof *sorted, by_key);
+	for (size_t i = 0; i < n; i++)
+		order[i] = sorted[i].place;
+	free(sorted);
+	*count = n;
+	return GW_OK;
 }
 
 /* ------------------------------------------------------------------------------------ worst */

@@ -47,6 +47,29 @@ done
 { head_of 2 $light index; printf '0 0 0 1 2 3 7\n1 0 0 4 5 6 3000000\n'; } >a.ply
 { head_of 2 $light index; printf '9 0 0 4 5 6 3000000\n9 0 1 1 2 3 7\n'; } >b.ply
 glowworm compare a.ply b.ply --max-relrmse 0 | head -n 3
+# Points of one place: whatever their order is, what both know of them tells them apart, and light
+# last, which is said where it matters. Where all are in one order, that does.
+shared() { # other, then its points, of a truth with two at 0 0 0
+	other=$1.ply
+	shift
+	{ head_of $# $columns; printf '%s\n' "$@"; } >"$other"
+	glowworm compare "$other" two.ply | sed -n '1p;3s/ *[-+].*//p'
+}
+up='0 0 0 0 0 1' down='0 0 0 0 0 -1' beside='1 0 0 0 0 1 3 3 3'
+columns="nx ny nz $light"
+{ head_of 3 $columns; printf '%s\n' "$up 1 1 1" "$down 5 5 5" "$beside"; } >two.ply
+shared normals "$beside" "$down 5 5 5" "$up 1 1 1"
+shared swapped "$beside" "$down 1 1 1" "$up 5 5 5"
+shared ordered "$up 1.5 1 1" "$down 5 5 5" "$beside"
+columns=$light
+{ head_of 3 $columns; printf '%s\n' '0 0 0 1 1 1' '0 0 0 5 5 5' '1 0 0 3 3 3'; } >two.ply
+shared alike '1 0 0 3 3 3' '0 0 0 5 5 5' '0 0 0 1 1 1'
+shared brighter '1 0 0 3 3 3' '0 0 0 5.5 5.5 5.5' '0 0 0 1.5 1.5 1.5'
+shared ordered '0 0 0 5 5 5' '0 0 0 1 1 1' '1 0 0 3 3 3'
+# More of them than the truth has: those in the middle.
+shared more '1 0 0 3 3 3' '0 0 0 9 9 9' '0 0 0 2 2 2' '0 0 0 0 0 0' '0 0 0 6 6 6'
+glowworm compare more.ply two.ply --json - | grep -e shared -e told
+rm two.ply normals.ply swapped.ply ordered.ply alike.ply brighter.ply more.ply
 # Where all emit, all are compared.
 { head_of 1 $light emission_r emission_g emission_b; echo 0 0 0 2 2 2 1 1 1; } >glow.ply
 glowworm compare glow.ply glow.ply | head -n 1
