@@ -719,10 +719,12 @@ typedef struct gw_report {
 	gw_round round[GW_REPORT_ROUNDS]; /* the last one is the result; none unless the bake refined */
 	uint32_t round_count;
 	gw_goal goal;
-	bool missed;          /* max_error was given and not reached */
-	bool halves_left_out; /* the surface is in doubt, but for a transport, or want of time, no half
-							 of the points was baked: error.halves is 0, the error may be larger */
-	double remaining;     /* bound on the light of the bounces not computed, relative */
+	bool missed;           /* max_error was given and not reached */
+	gw_goal gathered_goal; /* where most_records left some out: how adding more came to its end,
+							  GW_GOAL_REACHED where gathered_error was reached; else none */
+	bool halves_left_out;  /* the surface is in doubt, but for a transport, or want of time, no half
+							  of the points was baked: error.halves is 0, the error may be larger */
+	double remaining;      /* bound on the light of the bounces not computed, relative */
 	char device[256];
 	char driver[256];
 	uint32_t depth;          /* of the octree */

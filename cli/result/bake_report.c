@@ -215,6 +215,12 @@ static void write_rounds(json_writer *json, const gw_report *r)
 	json_put_text(json, "end", gw_goal_name(r->goal));
 	json_put_bool(json, "missed", r->missed);
 	json_put_close(json, '}');
+	if (r->gathered_goal == GW_GOAL_NONE)
+		return;
+	json_put_open_flat(json, "gathered_goal", '{');
+	json_put_text(json, "end", gw_goal_name(r->gathered_goal));
+	json_put_bool(json, "missed", r->gathered_goal != GW_GOAL_REACHED);
+	json_put_close(json, '}');
 }
 
 static void write_octree(json_writer *json, const gw_report *r)
@@ -951,6 +957,33 @@ static void missed_text(const bake_facts *f, char *text, size_t room)
 	put_parts(r, text, room);
 }
 
+/* What was asked of gathered light alone, where records were few and it is missed. The settings of
+ * a quality ask for it as well, but only for as much as records can do. */
+static void note_gathered(const bake_facts *f)
+{
+	static const char *const end[GW_GOAL_COUNT] = {
+		[GW_GOAL_EXHAUSTED] = "records stand as close as they may",
+		[GW_GOAL_STALLED] = "more records no longer lessen it",
+		[GW_GOAL_MEMORY] = "more records do not fit into memory",
+	};
+	static const char name[] = "gathered-error";
+	const gw_report *r = &f->result->report;
+	const option *o = option_find(VERB_BAKE, name, sizeof name - 1);
+	char gathered[TEXT_PERCENT];
+	if (f->settings->quiet || f->settings->given[o - options] == SETTINGS_BY_DEFAULT ||
+		!end[r->gathered_goal] || r->round_count == 0)
+		return;
+	const gw_error_estimate *last = &r->round[r->round_count - 1].error;
+	bool noise = last->noise * last->noise > 0.5 * last->gathered * last->gathered;
+	fprintf(stderr,
+			"glowworm: note: gathered light is %s %% off after %" PRIu32
+			" round%s, not the %.3g %% of --gathered-error: %s\n",
+			text_percent(last->gathered, gathered), r->round_count,
+			gw_plural(r->round_count, "", "s"), 100.0 * (double)f->settings->bake.gathered_error,
+			noise ? "most of that is noise of the rays, which more --rays lessen"
+				  : end[r->gathered_goal]);
+}
+
 gw_status bake_report_goal(const bake_facts *f, gw_error *error)
 {
 	static const char *const end[GW_GOAL_COUNT] = {
@@ -980,6 +1013,7 @@ gw_status bake_report_goal(const bake_facts *f, gw_error *error)
 	if (r->goal != GW_GOAL_NONE && !f->settings->quiet)
 		fprintf(stderr, "glowworm: note: the estimated error is %s%s: %s\n", text, rounds,
 				end[r->goal]);
+	note_gathered(f);
 	return GW_OK;
 }
 

@@ -695,12 +695,23 @@ static bool was_in_vain(const bake *b)
 	return before > 0.0 && fabs(now - before) <= SAME_ERROR * before;
 }
 
+/* How adding to few records has come to its end, with what gw_refine_gathered said last. */
+static gw_goal goal_of_few(const bake *b, gw_refine_answer last, bool room)
+{
+	if (b->report->error.gathered <= (double)b->scene.options.gathered_error)
+		return GW_GOAL_REACHED;
+	if (!room || b->report->goal == GW_GOAL_MEMORY)
+		return GW_GOAL_MEMORY;
+	return last == GW_REFINE_STALLED ? GW_GOAL_STALLED : GW_GOAL_EXHAUSTED;
+}
+
 /* Adds records where few disagree, until gathered light is right enough or they stand as close as
  * they may, or memory holds no more. */
 static gw_status add_to_few(bake *b, gw_error *error)
 {
 	char why[96];
 	gw_density_wish wish;
+	bool room = true;
 	gw_status status = GW_OK;
 	gw_refine_answer answer = was_in_vain(b) ? GW_REFINE_STALLED : GW_REFINE_ROUND;
 	begin_rounds(b, "few records");
@@ -710,10 +721,12 @@ static gw_status add_to_few(bake *b, gw_error *error)
 		const gw_bake_options even = as_even(b);
 		const gw_refine_state state = state_of(b, &even);
 		answer = gw_refine_gathered(&state, &wish, why);
-		if (answer != GW_REFINE_ROUND || !has_room(b, &wish))
+		room = answer != GW_REFINE_ROUND || has_room(b, &wish);
+		if (answer != GW_REFINE_ROUND || !room)
 			break;
 		status = refine_records(b, &wish, why, error);
 	}
+	b->report->gathered_goal = goal_of_few(b, answer, room);
 	b->scene.density.in_vain = answer == GW_REFINE_STALLED ? b->report->error.gathered : 0.0;
 	b->refining = false;
 	return status;

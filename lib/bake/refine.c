@@ -226,14 +226,28 @@ static bool has_noise(const gw_refine_state *state)
 		   noise * noise > SHARE_LEAST * gathered * gathered;
 }
 
+/* Whether records were so few `ago` rounds before the last one that what it said of them proves
+ * nothing: they are too far apart to disagree wherever more are missing, and what is found between
+ * them is as coarse. Of rooms, a corridor, a torus and a fence that begin with 40 to 70 records, up
+ * to two rounds in a row leave the error as it is and the next ones a tenth of it; once records are
+ * as many as those with which bakes begin, what follows such a round leaves .75 of it at the least.
+ */
+static bool were_few(const gw_refine_state *state, uint32_t ago)
+{
+	return state->round && state->round_count > ago &&
+		   state->round[state->round_count - 1 - ago].records <
+			   gw_bake_options_default().least_records;
+}
+
 gw_refine_answer gw_refine_gathered(const gw_refine_state *state, gw_density_wish *wish,
 									char why[96])
 {
 	gw_bake_options options = *state->options;
 	gw_refine_state aimed = *state;
-	if (!(state->error.gathered > (double)options.gathered_error) || is_all_noise(state))
+	if (!(state->error.gathered > (double)options.gathered_error) ||
+		(is_all_noise(state) && !were_few(state, 0)))
 		return GW_REFINE_EXHAUSTED;
-	if (has_added_in_vain(state))
+	if (has_added_in_vain(state) && !were_few(state, 1))
 		return GW_REFINE_STALLED;
 	/* An error of all light that leaves gathered light as much as it may have; the estimate's
 	 * spread is not to ask for more records than the quality itself. */

@@ -12,7 +12,8 @@
  * then only until gathered light is less wrong than that.
  *
  * A bake that has none places few records where points are many, and adds some where these disagree
- * until gathered light is as right as the quality asks for: gw_refine_gathered.
+ * until gathered light is as right as the quality asks for: gw_refine_gathered. A round that has
+ * not helped ends it, unless records are fewer than any bake of default settings begins with.
  */
 #ifndef REFINE_H
 #define REFINE_H

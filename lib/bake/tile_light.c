@@ -388,6 +388,7 @@ void gw_tiles_report(const gw_tile_share *share, size_t count, double wanted, gw
 	report->price = (gw_price){ 0 };
 	report->missed = false;
 	report->goal = wanted > 0.0 ? GW_GOAL_REACHED : GW_GOAL_NONE;
+	report->gathered_goal = GW_GOAL_NONE;
 	report->round_count = 0;
 	report->surface_points = 0;
 	gw_report_count(report, "tiles", count,

@@ -78,15 +78,23 @@ cmp first.vdb again.vdb
 # to none that lie in the file. Where the last ones were in vain, the same lamp asks for no more.
 make_box --scene cornell --points 20000 -o few.ply
 few() {
-	glowworm bake few.ply --most-records 100 --least-records 100 --gathered-error 0.005 -q -f \
-		--report few.json "$@" || echo "a bake of few records ends with $?"
+	glowworm bake few.ply --least-records 100 -q -f --report few.json "$@" ||
+		echo "a bake of few records ends with $?"
 	sed -n 's/^ "records": \([0-9]*\).*/\1/p' few.json
 }
+vain='--most-records 1400 --record-spacing 1.25 --gathered-error 0.005'
 spot='spot at 0.5,0.5,0.5 to 0.9,0.9,0 intensity 100 inner 10 outer 30'
-saved=$(few --save-transport few.transport --light "$spot" -o few.lit.ply)
-again=$(few --transport few.transport --light "$spot" -o few.again.ply)
+# shellcheck disable=SC2086
+saved=$(few $vain --save-transport few.transport --light "$spot" -o few.lit.ply)
+grep '"gathered_goal"' few.json
+# shellcheck disable=SC2086
+again=$(few $vain --transport few.transport --light "$spot" -o few.again.ply)
 [ "$(body few.lit.ply)" = "$(body few.again.ply)" ] && [ "$saved" = "$again" ] ||
 	echo "the same lamp adds records in vain: $saved, then $again"
-unlit=$(few --save-transport unlit.transport)
-lit=$(few --transport unlit.transport --light "$spot" -o few.lit.ply)
+spot='spot at 0.5,0.5,0.5 to 0.9,0.9,0 intensity 10000 inner 2 outer 4'
+some='--most-records 100 --gathered-error 0.4'
+# shellcheck disable=SC2086
+unlit=$(few $some --save-transport unlit.transport)
+# shellcheck disable=SC2086
+lit=$(few $some --transport unlit.transport --light "$spot" -o few.lit.ply)
 [ "$lit" -gt "$unlit" ] || echo "a lamp has added none to $unlit records: $lit"

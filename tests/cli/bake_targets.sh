@@ -68,6 +68,16 @@ glowworm bake box.ply -f -o lit.ply --estimate-points 0 2>&1 | short
 awk 'BEGIN { for (i = 0; i < 600; i++) print i, 0, 0 }' |
 	glowworm bake - -q -f -o lit.ply --rays 8 --light 'sky radiance 1' --max-error 0.9 2>&1 |
 	sed 's/of it is [0-9.]* %/of it is N %/'
+# What is asked of gathered light alone, where records are few at first: how that ends is told, and
+# said where it was asked for and is missed.
+few() {
+	glowworm bake box.ply -f -o lit.ply --report report.json --most-records 50 --least-records 0 \
+		"$@" 2>&1 | sed -n 's/light is [0-9.]* % off after [0-9]* rounds/light is N % off/; /note/p'
+	grep '^ "gathered_goal"' report.json
+}
+few --gathered-error 0.0001
+few --gathered-error 0.9
+few
 bake --max-error 0.1 --estimate-points 0 -o none.ply
 bake --max-error 5 -o none.ply
 ls

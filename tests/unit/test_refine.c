@@ -125,8 +125,8 @@ static void gathered_light_asks_for_records(void **state)
 	s.error.spread = 0.01; /* does not matter */
 	assert_int_equal(gw_refine_gathered(&s, &wish, why), GW_REFINE_ROUND);
 	assert_float_equal(wish.share, 0.81 * 0.25, 1e-6);
-	gw_round round[2] = { { .records = 100, .error = { .gathered = 0.061 } },
-						  { .records = 200, .error = { .gathered = 0.06 } } };
+	gw_round round[2] = { { .records = 2000, .error = { .gathered = 0.061 } },
+						  { .records = 4000, .error = { .gathered = 0.06 } } };
 	s.round = round;
 	s.round_count = 2;
 	assert_int_equal(gw_refine_gathered(&s, &wish, why), GW_REFINE_STALLED);
@@ -139,6 +139,28 @@ static void gathered_light_asks_for_records(void **state)
 	assert_int_equal(gw_refine_gathered(&s, &wish, why), GW_REFINE_EXHAUSTED);
 	s.error.noise = 0.0;
 	s.error.gathered = 0.0299;
+	assert_int_equal(gw_refine_gathered(&s, &wish, why), GW_REFINE_EXHAUSTED);
+}
+
+/* What is said of few records proves neither that more would be in vain nor that all is noise. */
+static void few_records_prove_nothing(void **state)
+{
+	(void)state;
+	char why[96];
+	gw_density_wish wish;
+	gw_bake_options o = gw_bake_options_default();
+	gw_round round[2] = { { .records = 700, .error = { .gathered = 0.06 } },
+						  { .records = 1300, .error = { .gathered = 0.06 } } };
+	gw_refine_state s = state_of(&o, 0.06, 0.0);
+	s.round = round;
+	s.round_count = 2;
+	assert_int_equal(gw_refine_gathered(&s, &wish, why), GW_REFINE_ROUND);
+	s.error.noise = 0.05;
+	assert_int_equal(gw_refine_gathered(&s, &wish, why), GW_REFINE_EXHAUSTED);
+	round[0].records = 600;
+	round[1].records = 1200;
+	assert_int_equal(gw_refine_gathered(&s, &wish, why), GW_REFINE_ROUND);
+	s.crowded = true;
 	assert_int_equal(gw_refine_gathered(&s, &wish, why), GW_REFINE_EXHAUSTED);
 }
 
@@ -448,6 +470,7 @@ int main(void)
 		cmocka_unit_test(noise_asks_for_rays),
 		cmocka_unit_test(the_rest_asks_for_records_then_leaves),
 		cmocka_unit_test(gathered_light_asks_for_records),
+		cmocka_unit_test(few_records_prove_nothing),
 		cmocka_unit_test(a_target_out_of_reach_is_not_chased),
 		cmocka_unit_test(it_ends),
 		cmocka_unit_test(what_does_not_help_ends),
