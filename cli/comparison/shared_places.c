@@ -59,8 +59,7 @@ static int by_column(const void *a, const void *b, void *user)
 						  scan_value(column, *(const size_t *)b));
 }
 
-/* ---------------------------------------------------------------- what tells points from another
- */
+/* -------------------------------------------------------- what tells points from another */
 
 /* Whether the values of the cloud that has fewer points at a place are among those of the other. */
 static bool is_same_at(const shared_place *p, scan_column *truth, scan_column *found)
@@ -112,8 +111,7 @@ static void choose_columns(const shared_places *places, bool light, side *truth,
 	}
 }
 
-/* ------------------------------------------------------------------------------------- the pairs
- */
+/* --------------------------------------------------------------------------- the pairs */
 
 /* How many sorted points, from the first on, have its values in so many columns. */
 static size_t count_equal(const side *s, const size_t *point, size_t points, size_t columns)
