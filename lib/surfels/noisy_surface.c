@@ -59,6 +59,16 @@
 #define AROUND 2
 #define AROUND_COUNT 125u
 
+/*
+ * Crowded are points whose last neighbours are nearer than this share of how near half of all
+ * points have theirs: as of the rings above and below a scanner, of which each has as many points
+ * as one around its equator. Noise is a hundred times as wide as they are apart, and what planes
+ * leave of it still too wide. So they are looked at from reaches on that others have, and points of
+ * a cell of half the share become one.
+ */
+#define CROWDED 0.5
+#define CROWDED_LEAST 100u
+
 #define NO_CELL UINT32_MAX
 
 /* The plane of a cell that leaves more than so many times what one beside it does, or none that
@@ -80,8 +90,9 @@ typedef struct cell_plane {
 } cell_plane;
 
 typedef struct flattening {
-	double *place;      /* 3 * count */
-	size_t count, step; /* every so many of these are looked at */
+	double *place;        /* 3 a surfel */
+	const uint32_t *some; /* count, the surfels that are looked at; NULL: all */
+	size_t count, step;   /* every so many of these for now */
 	double low[3], reach;
 	uint32_t threads;
 	gw_keyed *sorted; /* points by cells */
@@ -91,7 +102,9 @@ typedef struct flattening {
 	cell *cell;    /* cells */
 	cell_plane *plane;
 	size_t cells;
-	uint8_t *moved; /* count */
+	uint8_t *moved; /* one a surfel */
+	size_t moved_count;
+	bool noisy; /* a reach was found, and points put onto planes */
 } flattening;
 
 static double squared(const double a[3], const double b[3])
@@ -133,8 +146,10 @@ static void clear_cells(flattening *f)
 static bool sort_points(flattening *f)
 {
 	size_t n = 0;
-	for (size_t i = 0; i < f->count; i += f->step)
-		f->sorted[n++] = (gw_keyed){ key_of(f, f->place + 3 * i), (uint32_t)i };
+	for (size_t i = 0; i < f->count; i += f->step) {
+		uint32_t surfel = f->some ? f->some[i] : (uint32_t)i;
+		f->sorted[n++] = (gw_keyed){ key_of(f, f->place + 3 * (size_t)surfel), surfel };
+	}
 	f->sorted_count = n;
 	if (!gw_sort_keyed(&f->sorted, n, 63, f->threads))
 		return false;
@@ -302,7 +317,8 @@ static double usually_left(const flattening *f)
 	return count > 0 ? (double)gw_nth_element(left, count, count / 2) : 0.0;
 }
 
-/* The least reach that is wide for what its planes leave, if that is noise; 0: there is none. */
+/* The least reach that is wide for what its planes leave, if that is noise; 0: there is none. Of
+ * crowded points, planes along one ring leave nothing, and those across two more than noise. */
 static gw_status find_reach(flattening *f, gw_neighbours *search, double reach, double *found,
 							gw_error *error)
 {
@@ -315,7 +331,8 @@ static gw_status find_reach(flattening *f, gw_neighbours *search, double reach, 
 		/* Was the reach before this one enough? */
 		if (reach > REACH_GROWTH * REACH_ENOUGH * before) {
 			*found = left < STEADY * fmin(earlier, before) ? reach / REACH_GROWTH : 0.0;
-			break;
+			if (*found > 0.0 || !f->some)
+				break;
 		}
 		earlier = before;
 		before = left;
@@ -431,10 +448,26 @@ static gw_status flatten(flattening *f, gw_neighbours *search, double reach, gw_
 {
 	double found;
 	GW_TRY(find_reach(f, search, reach, &found, error));
+	f->noisy = found > 0.0;
 	for (int round = 0; round < ROUNDS && found > 0.0; round++) {
 		GW_TRY(make_planes(f, search, found, error));
 		GW_TRY(gw_neighbours_loop(search, f->cells, settle_points, f, error));
 	}
+	return GW_OK;
+}
+
+/* Points of a cell so wide become one. */
+static gw_status join_cells(flattening *f, gw_neighbours *search, double width, gw_error *error)
+{
+	f->reach = 2.0 * width;
+	if (!sort_points(f) || !list_cells(f))
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to join %zu points", f->count);
+	GW_TRY(gw_neighbours_loop(search, f->cells, sum_cells, f, error));
+	for (size_t c = 0; c < f->cells; c++)
+		for (size_t i = f->first[c]; i < f->first[c + 1]; i++) {
+			middle_of(&f->cell[c], f->place + 3 * (size_t)f->sorted[i].item);
+			f->moved[f->sorted[i].item] = 1;
+		}
 	return GW_OK;
 }
 
@@ -454,30 +487,74 @@ static size_t hand_on(const flattening *f, const gw_surfels *s, double *position
 	return moved;
 }
 
-gw_status gw_noisy_surface_flatten(const gw_surfels *surfels, gw_neighbours *search,
-								   uint32_t threads, double *position, size_t *moved,
+/* Puts some points, or all, onto the planes around them, from a reach on. */
+static gw_status flatten_some(flattening *f, const gw_surfels *s, gw_neighbours *search,
+							  double reach, double *position, gw_error *error)
+{
+	f->step = 1;
+	f->place = gw_allocate_array(s->count, 3 * sizeof *f->place);
+	f->sorted = gw_allocate_array(f->count, sizeof *f->sorted);
+	f->moved = gw_allocate_zeros(s->count, 1);
+	gw_status status = GW_OK;
+	if (!f->place || !f->sorted || !f->moved)
+		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the noise of %zu points", f->count);
+	for (int k = 0; k < 3; k++)
+		f->low[k] = (double)s->minimum[k];
+	for (size_t i = 0; status == GW_OK && i < 3 * s->count; i++)
+		f->place[i] = (double)s->position[i];
+	if (status == GW_OK)
+		status = flatten(f, search, reach, error);
+	if (status == GW_OK && f->some && f->noisy)
+		status = join_cells(f, search, 0.5 * CROWDED * reach, error);
+	if (status == GW_OK)
+		f->moved_count = hand_on(f, s, position);
+	clear_cells(f);
+	free(f->place);
+	free(f->sorted);
+	free(f->moved);
+	return status;
+}
+
+gw_status gw_noisy_surface_flatten(const gw_noisy_points *points, double *position, size_t *moved,
 								   gw_error *error)
 {
-	size_t n = surfels->count;
-	flattening f = { .count = n, .step = 1, .threads = threads };
-	f.place = gw_allocate_array(n, 3 * sizeof *f.place);
-	f.sorted = gw_allocate_array(n, sizeof *f.sorted);
-	f.moved = gw_allocate_zeros(n, 1);
-	*moved = 0;
+	const gw_surfels *s = points->surfels;
+	flattening f = { .some = points->some, .count = s->count, .threads = points->threads };
+	double usual = usual_distance(s, points->search);
+	if (points->some)
+		f.count = points->count;
+	gw_status status = flatten_some(&f, s, points->search,
+									points->some ? usual : REACH_FIRST * usual, position, error);
+	*moved = f.moved_count;
+	return status;
+}
+
+/* Notes how far the neighbours of a surfel are. */
+static void note_reach(void *user, size_t surfel, const gw_neighbour_list *list)
+{
+	float *reach = user;
+	reach[surfel] = list->count > 0 ? list->distance[list->count - 1] : 0.0f;
+}
+
+gw_status gw_crowded_points_find(gw_noisy_points *points, gw_error *error)
+{
+	const gw_surfels *s = points->surfels;
+	double most = CROWDED * usual_distance(s, points->search);
+	float *reach = gw_allocate_array(s->count, sizeof *reach);
+	points->some = gw_allocate_array(s->count, sizeof *points->some);
+	points->count = 0;
 	gw_status status = GW_OK;
-	if (!f.place || !f.sorted || !f.moved)
-		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the noise of %zu points", n);
-	for (int k = 0; k < 3; k++)
-		f.low[k] = (double)surfels->minimum[k];
-	for (size_t i = 0; status == GW_OK && i < 3 * n; i++)
-		f.place[i] = (double)surfels->position[i];
+	if (!reach || !points->some)
+		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the noise of %zu points", s->count);
 	if (status == GW_OK)
-		status = flatten(&f, search, REACH_FIRST * usual_distance(surfels, search), error);
-	if (status == GW_OK)
-		*moved = hand_on(&f, surfels, position);
-	clear_cells(&f);
-	free(f.place);
-	free(f.sorted);
-	free(f.moved);
+		status = gw_neighbours_visit_reach(points->search, note_reach, reach, error);
+	for (size_t i = 0; status == GW_OK && i < s->count; i++)
+		if ((double)reach[i] < most)
+			points->some[points->count++] = (uint32_t)i;
+	free(reach);
+	if (status == GW_OK && points->count >= CROWDED_LEAST)
+		return GW_OK;
+	free(points->some);
+	points->some = NULL;
 	return status;
 }

@@ -13,17 +13,30 @@
 
 #include "cloud/neighbours.h"
 
+typedef struct gw_noisy_points {
+	const gw_surfels *surfels; /* of the points, with what gw_frame_make fills */
+	gw_neighbours *search;     /* of these surfels */
+	uint32_t threads;          /* 0 means one a processor */
+	uint32_t *some;            /* count, the surfels that are looked at; NULL: all */
+	size_t count;
+} gw_noisy_points;
+
 /*
- * Puts points onto the surface that they lie around, where noise is large for their distances.
- *   surfels   of the points, with what gw_frame_make fills
- *   search    of these surfels
- *   threads   0 means one a processor
+ * Puts points onto the surface that they lie around, where noise is large for their distances; of
+ * some that are crowded, those that are nearer to each other than others are become one.
  *   position  3 a point, what the surfels were made of; is changed where points are moved
  *   moved     receives how many surfels were: 0 where noise is small, or there is no surface
  * Fails with GW_ERROR_MEMORY or GW_ERROR_CANCELLED.
  */
-gw_status gw_noisy_surface_flatten(const gw_surfels *surfels, gw_neighbours *search,
-								   uint32_t threads, double *position, size_t *moved,
+gw_status gw_noisy_surface_flatten(const gw_noisy_points *points, double *position, size_t *moved,
 								   gw_error *error);
+
+/*
+ * Finds surfels that are crowded, several times nearer to each other than most are: as those right
+ * above and below a scanner, where noise is wide for them though it is not elsewhere.
+ *   points  some and count receive them, NULL where they are too few to matter; owned by the caller
+ * Fails with GW_ERROR_MEMORY or GW_ERROR_CANCELLED.
+ */
+gw_status gw_crowded_points_find(gw_noisy_points *points, gw_error *error);
 
 #endif

@@ -208,10 +208,25 @@ static gw_status join_often(thick_points *t, gw_error *error)
 
 static gw_status flatten_noise(thick_points *t, gw_error *error)
 {
+	const gw_noisy_points all = { t->surfels, *t->search, t->options->threads, NULL, 0 };
 	size_t moved;
-	GW_TRY(gw_noisy_surface_flatten(t->surfels, *t->search, t->options->threads, t->p->position,
-									&moved, error));
+	GW_TRY(gw_noisy_surface_flatten(&all, t->p->position, &moved, error));
 	return moved > 0 ? open_anew(t, error) : GW_OK;
+}
+
+/* Of points that are crowded alone. */
+static gw_status flatten_crowded(thick_points *t, gw_error *error)
+{
+	gw_noisy_points crowded = { t->surfels, *t->search, t->options->threads, NULL, 0 };
+	size_t moved = 0;
+	double *old;
+	gw_status status = gw_crowded_points_find(&crowded, error);
+	if (status == GW_OK && crowded.some && !t->p->position)
+		status = copy_places(t->p, &old, error);
+	if (status == GW_OK && crowded.some)
+		status = gw_noisy_surface_flatten(&crowded, t->p->position, &moved, error);
+	free(crowded.some);
+	return status == GW_OK && moved > 0 ? open_anew(t, error) : status;
 }
 
 /* Goes a way on which surface may get thin, and back where it has not become half as thick. */
@@ -242,6 +257,8 @@ static gw_status thin_surface(sorted_points *p, const gw_surfels_options *option
 	thick_points t = { p, options, search, surfels, gw_surface_thickness(surfels, *search) };
 	if (t.thickness > NOISE_THICK)
 		GW_TRY(try_way(flatten_noise, &t, error));
+	else
+		GW_TRY(flatten_crowded(&t, error));
 	return t.thickness > LAYERS_THICK ? try_way(join_often, &t, error) : GW_OK;
 }
 

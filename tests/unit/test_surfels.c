@@ -461,6 +461,40 @@ static void corners_stay_in_noise(void **state)
 	clear_cloud(&c);
 }
 
+/*
+ * A ceiling above a scanner, in rings that are two thirds farther from each other than the points
+ * of the outermost, with a fifth of that as noise, which is twenty times as far as the innermost
+ * points are apart: any neighbours of these lay on a ribbon of noise that hangs down. Now 60 of
+ * these points are one, and but one in twenty is off for that.
+ */
+static void innermost_rings_are_level(void **state)
+{
+	(void)state;
+	const size_t rings = 60, per_ring = 600;
+	const double apart = 0.01, noise = 0.002;
+	cloud c = make_cloud(rings * per_ring, false);
+	for (size_t i = 0; i < c.count; i++) {
+		double radius = apart * (double)(i / per_ring + 1);
+		double turn = 2 * PI * ((double)(i % per_ring) + uniform()) / (double)per_ring;
+		set_point(&c, i, radius * cos(turn), radius * sin(turn), noise * gaussian());
+	}
+	gw_surfels s = make(&c);
+	double level = 0.0, inner = 0.0;
+	for (size_t i = 0; i < 6 * per_ring; i++) {
+		uint32_t surfel = s.surfel_of_point[i];
+		if (surfel == UINT32_MAX)
+			continue;
+		inner += 1.0;
+		level += fabs((double)s.normal[3 * surfel + 2]) > cos(20 * PI / 180);
+	}
+	print_message("%.1f %% of %.0f points of the innermost rings within 20 degrees\n",
+				  100 * level / inner, inner);
+	assert_true(inner > 5.0 * (double)per_ring && level > 0.95 * inner);
+	assert_sane(&s);
+	gw_surfels_clear(&s);
+	clear_cloud(&c);
+}
+
 /* Rough ground with trees on it is as thick as noise makes it, but not noise: nothing is moved. */
 static void trees_are_no_noise(void **state)
 {
@@ -479,7 +513,8 @@ static void trees_are_no_noise(void **state)
 	size_t moved = 1;
 	assert_non_null(position);
 	assert_int_equal(gw_neighbours_open(&s, &options, &search, &error), GW_OK);
-	assert_int_equal(gw_noisy_surface_flatten(&s, search, 1, position, &moved, &error), GW_OK);
+	const gw_noisy_points all = { &s, search, 1, NULL, 0 };
+	assert_int_equal(gw_noisy_surface_flatten(&all, position, &moved, &error), GW_OK);
 	assert_int_equal(moved, 0);
 	gw_neighbours_close(search);
 	free(position);
@@ -2491,6 +2526,7 @@ int main(void)
 		cmocka_unit_test(near_duplicates_become_one),
 		cmocka_unit_test(noise_is_flattened),
 		cmocka_unit_test(corners_stay_in_noise),
+		cmocka_unit_test(innermost_rings_are_level),
 		cmocka_unit_test(trees_are_no_noise),
 		cmocka_unit_test(layers_become_one),
 		cmocka_unit_test(points_that_are_not_finite_are_left_out),
