@@ -27,6 +27,10 @@
  * is as good as in the surface. */
 #define LEAST_CELLS 2.0f
 
+/* Texels a side of what is looked at from places, and the share of them that may lie behind. */
+#define OUTLOOK 8u
+#define BEHIND_MOST 0.5f
+
 /* Where in its step the first spot lies, for the two choices. */
 #define SHIFT_CHOSEN 0.5
 #define SHIFT_LOOKED 0.19
@@ -81,6 +85,52 @@ static void widen(placing *p)
 	}
 }
 
+/* What is around the balls. */
+static gw_status look_out(placing *p, gw_probe_hits *hits, gw_error *error)
+{
+	gw_scene *scene = p->scene;
+	const gw_octree *o = &scene->octree;
+	const gw_probe_scene seen = { .passes = &scene->passes,
+								  .octree = o,
+								  .seed = (uint32_t)p->options->seed,
+								  .threads = scene->options.threads };
+	hits->place = gw_allocate_zeros(p->ball_count, 4 * sizeof *hits->place);
+	hits->behind = gw_allocate_array(p->ball_count, sizeof *hits->behind);
+	if (!hits->place || !hits->behind)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu places of probes", p->ball_count);
+	for (size_t i = 0; i < p->ball_count; i++)
+		for (size_t k = 0; k < 3; k++)
+			hits->place[4 * i + k] = (p->ball[i].centre[k] - o->cube_minimum[k]) / o->leaf_size;
+	return gw_probe_hits_trace(&seen, hits, error);
+}
+
+/* Leaves out balls from which most of what is around is seen through the backs of surfaces: a floor
+ * goes on below what stands on it, and what is in front of it there is no free space. Those for
+ * records stay where none would be left. */
+static gw_status leave_out_solids(placing *p, gw_error *error)
+{
+	gw_probe_hits hits = { .count = p->ball_count, .size = OUTLOOK };
+	gw_status status = look_out(p, &hits, error);
+	size_t kept = 0;
+	for (size_t i = 0; i < p->ball_count && status == GW_OK; i++)
+		if (hits.behind[i] <= BEHIND_MOST)
+			p->ball[kept++] = p->ball[i];
+	if (status == GW_OK && (kept > 0 || !p->in_grid))
+		p->ball_count = kept;
+	free(hits.behind);
+	gw_probe_hits_clear(&hits);
+	return status;
+}
+
+static gw_status fail_unseen(size_t places, gw_error *error)
+{
+	return gw_fail(
+		error, GW_ERROR_DATA,
+		"there is no free space for a probe: from none of %zu places any surface is seen "
+		"from in front; look at the normals",
+		places);
+}
+
 static gw_status find_balls(placing *p, gw_error *error)
 {
 	gw_scene *scene = p->scene;
@@ -89,8 +139,13 @@ static gw_status find_balls(placing *p, gw_error *error)
 		widen(p);
 		GW_TRY(gw_free_balls_find(&p->room, &p->ball, &p->ball_count, error));
 	}
+	const size_t found = p->ball_count;
+	if (found > 0)
+		GW_TRY(leave_out_solids(p, error));
 	if (p->ball_count > 0)
 		return GW_OK;
+	if (found > 0)
+		return fail_unseen(found, error);
 	return gw_fail(
 		error, GW_ERROR_DATA,
 		"there is no free space for a probe: in front of no surface there is room for "
@@ -121,11 +176,7 @@ static gw_status choose(placing *p, gw_error *error)
 	GW_TRY(gw_probe_places_choose(&task, &p->places, error));
 	if (p->places.count > 0)
 		return GW_OK;
-	return gw_fail(
-		error, GW_ERROR_DATA,
-		"there is no free space for a probe: from none of %zu places any surface is seen "
-		"from in front; look at the normals",
-		p->ball_count);
+	return fail_unseen(p->ball_count, error);
 }
 
 /* Middles of the cells of a regular grid over the bounds, but for those at the surface or behind

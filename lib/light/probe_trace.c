@@ -127,6 +127,23 @@ static void mend(const tracing *t, size_t probe)
 		filled = fill_texels(t->hits->size, facet, distance);
 }
 
+/* What rays of a probe met is as far as it is, whether they passed backs of surfaces or not; tells
+ * what share of those that came upon surface did. */
+static void count_behind(const tracing *t, size_t probe)
+{
+	const uint32_t *facet = t->hits->facet + probe * t->texels;
+	float *distance = t->hits->distance + probe * t->texels;
+	size_t behind = 0, all = 0;
+	for (size_t i = 0; i < t->texels; i++) {
+		bool passed = signbit(distance[i]) != 0;
+		behind += passed;
+		all += passed || facet[i] != GW_NONE;
+		distance[i] = fabsf(distance[i]);
+	}
+	if (t->hits->behind)
+		t->hits->behind[probe] = all > 0 ? (float)behind / (float)all : 0.0f;
+}
+
 /* What is not known is told by the facet alone. */
 static void finish(void *user, size_t first, size_t last, uint32_t worker)
 {
@@ -134,6 +151,7 @@ static void finish(void *user, size_t first, size_t last, uint32_t worker)
 	const uint32_t unknown = t->scene->octree->facet_count;
 	(void)worker;
 	for (size_t probe = t->first + first; probe < t->first + last; probe++) {
+		count_behind(t, probe);
 		mend(t, probe);
 		for (size_t i = probe * t->texels; i < (probe + 1) * t->texels; i++) {
 			uint32_t *facet = &t->hits->facet[i];

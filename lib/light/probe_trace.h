@@ -17,6 +17,8 @@ typedef struct gw_probe_hits {
 	uint32_t *facet; /* a texel: GW_NONE where nothing is, and facet_count where rays slipped
 						through rock and nobody knows what is there: it counts as dark and far */
 	float *distance; /* a texel: leaf cells, where a facet is */
+	float *behind;   /* a probe, or NULL; the caller's: of rays that pass or meet surface the share
+						that passed its back before they met any */
 } gw_probe_hits;
 
 /* Of a scene, what is traced, and what is shown. */

@@ -45,5 +45,5 @@ void main()
 	float through, chance = stratified(own, k);
 	Hit hit = trace_through(ray, chance, through);
 	hit_facet[i] = hit.facet;
-	hit_distance[i] = hit.t;
+	hit_distance[i] = hit.passed_back_face ? -hit.t : hit.t;
 }

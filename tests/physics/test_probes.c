@@ -348,6 +348,40 @@ static void boxes(void **state)
 	scene_clear(&s);
 }
 
+/* A block that stands on the floor of a room, 1 mm over it, as in models of rooms. The floor goes
+ * on below, and what is in front of it there is within the block; what is in front of the block's
+ * bottom is under the floor. Neither is free. */
+static void none_within_a_block(void **state)
+{
+	(void)state;
+	scene s = { 0 };
+	scene_add_box(&s, (double[3]){ 0, 0, 0 }, (double[3]){ 1, 1, 1 }, 32, 0.5f);
+	const size_t room = 3 * s.count;
+	scene_add_box(&s, (double[3]){ 0.3, 0.3, 0.001 }, (double[3]){ 0.4, 0.4, 0.4 }, 32, 0.5f);
+	for (size_t i = room; i < 3 * s.count; i++)
+		s.normal[i] = -s.normal[i];
+	const gw_light lamp = scene_point_light(0.5, 0.5, 0.7, 1.0f);
+	gw_bake_options bake = bake_options(1);
+	gw_probes_options options = gw_probes_options_default();
+	options.size = 16;
+	options.margin = 0.3f;
+	bake.normals = GW_NORMALS_GIVEN;
+	made m = make_good(&s, &bake, &lamp, &options);
+	for (size_t k = 0; k < m.probes->count; k++) {
+		const double *at = m.probes->probe[k].position;
+		bool in_room = true, in_block = at[2] < 0.4;
+		for (int c = 0; c < 3; c++)
+			in_room = in_room && at[c] > 0.0 && at[c] < 1.0;
+		for (int c = 0; c < 2; c++)
+			in_block = in_block && at[c] > 0.3 && at[c] < 0.7;
+		if (!in_room || in_block)
+			fail_msg("probe %zu at %g, %g, %g is in no free space", k, at[0], at[1], at[2]);
+	}
+	assert_true(m.probes->seen > 0.9);
+	gw_probes_destroy(&m.probes);
+	scene_clear(&s);
+}
+
 /* How far it is from a place in a box of side 1 to its wall. */
 static double way_out(const double from[3], const float way[3])
 {
@@ -621,6 +655,14 @@ static void solid(void **state)
 	made m = make_probes(&s, &bake, &even, NULL);
 	assert_int_equal(m.status, GW_ERROR_DATA);
 	assert_non_null(strstr(m.error.text, "no free space"));
+	/* Nor is there over a floor in it, around which all is seen from behind. */
+	scene_add_patch(&s,
+					&(scene_patch){ (double[3]){ 0.2, 0.2, 0.1 }, (double[3]){ 0.2, 0, 0 },
+									(double[3]){ 0, 0.2, 0 }, 8, 8 },
+					0.5f);
+	m = make_probes(&s, &bake, &even, NULL);
+	assert_int_equal(m.status, GW_ERROR_DATA);
+	assert_non_null(strstr(m.error.text, "look at the normals"));
 	scene_clear(&s);
 }
 
@@ -651,6 +693,7 @@ int main(void)
 		cmocka_unit_test(sky),
 		cmocka_unit_test(half_sky),
 		cmocka_unit_test(boxes),
+		cmocka_unit_test(none_within_a_block),
 		cmocka_unit_test(grids),
 		cmocka_unit_test(looks_in_a_box),
 		cmocka_unit_test(same_every_time),
