@@ -116,7 +116,7 @@ KERNELS         := device/prefix_sum light/light_visibility light/light_irradian
                    light/volume_rays light/volume_fill light/volume_weights light/volume_read \
                    light/volume_faces light/volume_inject light/volume_spread \
                    light/probe_sight light/probe_rays \
-                   picture/cache_rays picture/cache_mips picture/pixel_caches
+                   picture/given_rays picture/cache_rays picture/cache_mips picture/pixel_caches
 KERNEL_OBJECTS  := $(KERNELS:%=$(BUILD)/kernels/%_kernel.o)
 KERNEL_OF        = -DPASS=gw_kernel_$(notdir $(1)) -DPASS_TEXT='"$(1).comp"'
 LIB_OBJECTS     := $(call objects,$(LIB_SOURCES)) $(KERNEL_OBJECTS)

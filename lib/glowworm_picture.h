@@ -534,6 +534,9 @@ typedef struct gw_reflection {
 	uint32_t seed;
 	bool (*cancelled)(void *user); /* NULL or asked between rays */
 	void *user;
+	/* Of gw_probes_reflect: traces the rays that no probe serves. NULL: they see what the best one
+	 * sees in their direction */
+	struct gw_render_octree *octree;
 } gw_reflection;
 
 /* Rays whose noise a rough pixel has: caches leave less than few rays. */
@@ -580,16 +583,28 @@ gw_cache_seconds gw_render_octree_cache_seconds(const gw_render_octree *octree);
 struct gw_probes; /* glowworm_probes.h */
 
 /*
- * The same by the maps of probes instead of an octree (Wang 2018, section 4.3): rays leave the
- * pixels alike, and see what gw_probes_look says. As fine as the texels of the maps, and wrong
- * where no probe sees what a ray meets. probes      of the same points, lit origin
- * gw_surfels.origin of the frame that the pixels are in, metres reflected   as of
- * gw_render_octree_reflect Of the reflection `rays`, `seed` and `cancelled` count.
- * GW_ERROR_CANCELLED. Thread-safe.
+ * The same by the maps of probes (Wang 2018, section 4.3): rays leave the pixels alike, and see
+ * what gw_probes_look says: as fine as the texels of the maps. Those that it finds no probe for are
+ * traced in the octree of the reflection, or are wrong if that is NULL.
+ *
+ *   probes      of the same points, lit
+ *   origin      gw_surfels.origin of the frame that the pixels are in, metres
+ *   reflected   as of gw_render_octree_reflect
+ *
+ * Of the reflection `rays`, `seed`, `octree` and `cancelled` count, and for rays that are traced
+ * the sky. GW_ERROR_CANCELLED, GW_ERROR_MEMORY. Thread-safe without an octree.
  */
 gw_status gw_probes_reflect(const struct gw_probes *probes, const double origin[3],
 							const gw_pixels *pixels, const gw_reflection *reflection,
 							float *reflected, gw_error *error);
+
+/* Rays that gw_probes_reflect sent so far with this octree. */
+typedef struct gw_lost_rays {
+	uint64_t rays, traced;   /* and those that no probe serves */
+	double looking, tracing; /* seconds: in the maps, and in the octree */
+} gw_lost_rays;
+
+gw_lost_rays gw_render_octree_lost_rays(const gw_render_octree *octree);
 
 /*
  * Radiance sampled from the bricks of the leaves.

@@ -43,19 +43,28 @@ static bool is_glossy(const render_scene *scene)
 	return false;
 }
 
-/* What glossy points reflect where rays meet no surface: what the lights say of the sky. Probes see
- * it themselves. */
-static gw_status prepare_gloss(const settings *s, const render_scene *scene, octree_picture *p,
-							   gw_error *error)
+/* Probes, where they are to show what is reflected, and the octree, in which rays are traced that
+ * none of them serves; the probes first, whose own octree is gone by then. */
+static gw_status build(const settings *s, const render_scene *scene, const sky_light *sky,
+					   octree_picture *p, gw_error *error)
 {
-	sky_light sky;
-	GW_TRY(sky_light_find(s, scene->up, &sky, error));
+	bool bricks = p->voxels || p->reflection.cone;
+	if (p->glossy && s->render.glossy == SETTINGS_GLOSSY_PROBES)
+		GW_TRY(lit_probes_make(s, scene, sky, &p->probes, error));
+	GW_TRY(scene_octree_create(s, scene, bricks ? SCENE_OCTREE_BRICKS : SCENE_OCTREE_RAYS,
+							   &p->octree, error));
+	p->reflection.octree = p->octree;
+	return sky->has_map ? gw_render_octree_set_sky(p->octree, &sky->light, error) : GW_OK;
+}
+
+/* What glossy points reflect where rays meet no surface: what the lights say of the sky. */
+static gw_status build_below_sky(const settings *s, const render_scene *scene, octree_picture *p,
+								 gw_error *error)
+{
+	sky_light sky = { .has_map = false };
+	GW_TRY(p->glossy ? sky_light_find(s, scene->up, &sky, error) : GW_OK);
 	memcpy(p->reflection.sky, sky.radiance, sizeof p->reflection.sky);
-	gw_status status = GW_OK;
-	if (s->render.glossy == SETTINGS_GLOSSY_PROBES)
-		status = lit_probes_make(s, scene, &sky, &p->probes, error);
-	else if (sky.has_map)
-		status = gw_render_octree_set_sky(p->octree, &sky.light, error);
+	gw_status status = build(s, scene, &sky, p, error);
 	sky_light_clear(&sky);
 	return status;
 }
@@ -75,13 +84,7 @@ gw_status octree_picture_open(const settings *s, const render_scene *scene, octr
 	if (!p->glossy && !p->voxels)
 		return GW_OK;
 	double start = gw_seconds();
-	gw_status status = GW_OK;
-	if (p->voxels || s->render.glossy != SETTINGS_GLOSSY_PROBES)
-		status = scene_octree_create(
-			s, scene, p->voxels || p->reflection.cone ? SCENE_OCTREE_BRICKS : SCENE_OCTREE_RAYS,
-			&p->octree, error);
-	if (status == GW_OK && p->glossy)
-		status = prepare_gloss(s, scene, p, error);
+	gw_status status = build_below_sky(s, scene, p, error);
 	if (status == GW_ERROR_NO_DEVICE && !p->voxels && error)
 		snprintf(error->text + strlen(error->text), sizeof error->text - strlen(error->text),
 				 "; --glossy off needs none");

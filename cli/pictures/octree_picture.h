@@ -10,7 +10,7 @@
 #include "pictures/render_scene.h"
 
 typedef struct octree_picture {
-	gw_render_octree *octree; /* owned; NULL when the picture needs none */
+	gw_render_octree *octree; /* owned; NULL when the picture needs none, as neither probes */
 	gw_probes *probes;        /* owned; NULL unless they are to show what is reflected */
 	bool glossy, voxels;      /* what it is for */
 	bool cubic;
@@ -23,7 +23,7 @@ typedef struct octree_picture {
 uint32_t octree_picture_channels(const settings *settings);
 
 /*
- * Builds the octree, or places probes, if the settings and the points call for them.
+ * Builds the octree, and places probes, if the settings and the points call for them.
  *   scene     lit
  *   picture   on success cleared with octree_picture_clear; empty on failure
  * Fails as gw_render_octree_create and lit_probes_make.

@@ -814,6 +814,21 @@ static void show_caches(const render *r)
 	fprintf(stderr, "%-18s %9llu\n", "pixels", (unsigned long long)spent.readers);
 }
 
+/* What glossy pixels read from probes, of all pictures and what metered them. */
+static void show_probes(const render *r)
+{
+	if (!r->octree.octree || !r->octree.probes)
+		return;
+	const gw_lost_rays sent = gw_render_octree_lost_rays(r->octree.octree);
+	const double share = sent.rays ? 100.0 * (double)sent.traced / (double)sent.rays : 0.0;
+	fprintf(stderr, "\n%-18s %9s\n", "probes", "ms");
+	show_stage("looking", sent.looking);
+	show_stage("tracing", sent.tracing);
+	fprintf(stderr, "%-18s %9zu\n", "placed", r->octree.probes->count);
+	fprintf(stderr, "%-18s %9llu\n", "rays", (unsigned long long)sent.rays);
+	fprintf(stderr, "%-18s %9.2f %%\n", "traced", share);
+}
+
 /* What --profile says. */
 static void show_profile(const render *r)
 {
@@ -830,6 +845,7 @@ static void show_profile(const render *r)
 	show_stage("net", r->read_seconds + r->draw_seconds);
 	show_final(r);
 	show_caches(r);
+	show_probes(r);
 	fprintf(stderr, "\n%-18s %9zu\n", "points", scene->surfels.point_count);
 	fprintf(stderr, "%-18s %9zu\n", "in view", scene->surfels.count);
 	if (getrusage(RUSAGE_SELF, &usage) == 0)

@@ -145,6 +145,8 @@ static const gw_pass_row table[GW_PASS_COUNT] = {
 
 	[GW_PASS_PIXEL_RAYS] = { "pixel_rays", "ttttttttttttsssttts", sizeof(gw_pixel_push), 4096,
 							 .why = PIXELS },
+	[GW_PASS_GIVEN_RAYS] = { "given_rays", "ttttttttttttsssttts", sizeof(gw_pixel_push), 4096,
+							 .cpu = gw_cpu_given_rays },
 	[GW_PASS_PIXEL_CONE] = { "pixel_cone", "ttmmssst", sizeof(gw_cone_push), 256, .why = SAMPLER },
 	[GW_PASS_PIXEL_BRICKS] = { "pixel_bricks", "ttmmsss", sizeof(gw_cone_push), 64,
 							   .why = SAMPLER },

@@ -71,6 +71,7 @@ typedef enum gw_pass_id {
 	GW_PASS_RECORD_CONES,
 	/* pictures */
 	GW_PASS_PIXEL_RAYS,
+	GW_PASS_GIVEN_RAYS,
 	GW_PASS_PIXEL_CONE,
 	GW_PASS_PIXEL_BRICKS,
 	GW_PASS_CELL_BRICKS,
@@ -120,6 +121,6 @@ gw_cpu_kernel gw_cpu_facet_weights, gw_cpu_facet_shade, gw_cpu_read_back;
 gw_cpu_kernel gw_cpu_volume_rays, gw_cpu_volume_fill, gw_cpu_volume_weights, gw_cpu_volume_read,
 	gw_cpu_volume_faces, gw_cpu_volume_inject, gw_cpu_volume_spread;
 gw_cpu_kernel gw_cpu_probe_sight, gw_cpu_probe_rays;
-gw_cpu_kernel gw_cpu_cache_rays, gw_cpu_cache_mips, gw_cpu_pixel_caches;
+gw_cpu_kernel gw_cpu_given_rays, gw_cpu_cache_rays, gw_cpu_cache_mips, gw_cpu_pixel_caches;
 
 #endif

@@ -211,6 +211,13 @@ void gw_cpu_probe_rays(gw_passes *passes, const gw_binding *b, const void *push,
 				   count, CHUNK_POINTS);
 }
 
+void gw_cpu_given_rays(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
+{
+	gw_kernel_loop(passes, GW_PASS_GIVEN_RAYS,
+				   (gw_kernel_run){ .kernel = gw_kernel_given_rays, .bindings = b, .push = push },
+				   count, CHUNK);
+}
+
 void gw_cpu_cache_rays(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
 {
 	gw_kernel_loop(passes, GW_PASS_CACHE_RAYS,

@@ -5,6 +5,7 @@
 #include "picture/gloss_functions.h"
 
 #include "base/shader_vectors.h"
+#include "octree/trace_constants.h"
 
 namespace glsl
 {
@@ -37,6 +38,12 @@ gw_vec3 gw_gloss_direction(const gw_gloss_seen *seen, uint32_t own, uint32_t k, 
 	return glsl::to_c(text.reflected_direction(
 		glsl::from_c(seen->normal), glsl::from_c(seen->to_eye), seen->roughness, seen->reflectance,
 		text.gloss_place(own, k), *share));
+}
+
+float gw_gloss_chance(uint32_t own, uint32_t k)
+{
+	glsl::gloss text;
+	return text.stratified(pcg_hash2(own, GW_OPACITY_SEED), k);
 }
 
 uint32_t gw_gloss_word(uint32_t pixel, uint32_t seed)

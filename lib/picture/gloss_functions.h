@@ -26,6 +26,9 @@ uint32_t gw_gloss_rays(const gw_gloss_seen *seen, uint32_t most);
  * from there is reflected. reflected_direction(). */
 gw_vec3 gw_gloss_direction(const gw_gloss_seen *seen, uint32_t own, uint32_t k, float *share);
 
+/* A number in [0, 1) for that ray: what is less than opaque ends it when no more is left of it. */
+float gw_gloss_chance(uint32_t own, uint32_t k);
+
 /* A word for a pixel: pcg_hash2(). */
 uint32_t gw_gloss_word(uint32_t pixel, uint32_t seed);
 

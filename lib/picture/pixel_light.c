@@ -72,7 +72,7 @@ static gw_status load_batch(gw_render_octree *o, batch *b, const gw_pixels *pixe
 }
 
 /* One pass over a batch. */
-typedef gw_status (*batch_pass)(gw_render_octree *o, const batch *b, const gw_pixels *pixels,
+typedef gw_status (*batch_pass)(gw_render_octree *o, batch *b, const gw_pixels *pixels,
 								const void *how, gw_error *error);
 
 static gw_status run_batches(gw_render_octree *o, const gw_pixels *pixels, batch_pass run,
@@ -93,26 +93,33 @@ static gw_status run_batches(gw_render_octree *o, const gw_pixels *pixels, batch
 	return status;
 }
 
-static gw_status run_rays(gw_render_octree *o, const batch *b, const gw_pixels *pixels,
-						  const void *how, gw_error *error)
+/* What a ray's passes are told of the sky, and of these pixels. */
+static gw_pixel_push push_of(const gw_render_octree *o, const gw_reflection *r, const batch *b)
+{
+	return (gw_pixel_push){ .rays = r->rays,
+							.seed = r->seed,
+							.pixel_first = (uint32_t)b->first,
+							.sky = { r->sky[0], r->sky[1], r->sky[2], 0.0f },
+							.sky_width = o->sky.width,
+							.sky_height = o->sky.height,
+							.sky_turn = o->sky.turn,
+							.sky_y_up = o->sky.y_up };
+}
+
+/* Of passes that trace. */
+#define RAY_BINDINGS(o, b)                                                                         \
+	GW_TRACE_BINDINGS(&(o)->octree), GW_DISC_BINDINGS(&(o)->octree),                               \
+		gw_whole(&(o)->surfel_radiance), gw_window(&(b)->position, 16),                            \
+		gw_window(&(b)->normal, 16), gw_window(&(b)->result, 16), GW_TREE_BINDING(&(o)->octree),   \
+		gw_render_octree_sky(o), GW_OPACITY_BINDING(&(o)->octree), GW_LEAF_BINDING(&(o)->octree)
+
+static gw_status run_rays(gw_render_octree *o, batch *b, const gw_pixels *pixels, const void *how,
+						  gw_error *error)
 {
 	const gw_reflection *r = how;
-	const gw_octree *t = &o->octree;
-	gw_pixel_push push = { .rays = r->rays,
-						   .seed = r->seed,
-						   .pixel_first = (uint32_t)b->first,
-						   .eye = eye_of(o, pixels, 0.0f),
-						   .sky = { r->sky[0], r->sky[1], r->sky[2], 0.0f },
-						   .sky_width = o->sky.width,
-						   .sky_height = o->sky.height,
-						   .sky_turn = o->sky.turn,
-						   .sky_y_up = o->sky.y_up };
-	const gw_binding bindings[] = {
-		GW_TRACE_BINDINGS(t),        GW_DISC_BINDINGS(t),       gw_whole(&o->surfel_radiance),
-		gw_window(&b->position, 16), gw_window(&b->normal, 16), gw_window(&b->result, 16),
-		GW_TREE_BINDING(t),          gw_render_octree_sky(o),   GW_OPACITY_BINDING(t),
-		GW_LEAF_BINDING(t)
-	};
+	gw_pixel_push push = push_of(o, r, b);
+	push.eye = eye_of(o, pixels, 0.0f);
+	const gw_binding bindings[] = { RAY_BINDINGS(o, b) };
 	for (push.ray = 0; push.ray < r->rays; push.ray++) {
 		GW_TRY(gw_passes_run(&o->passes, GW_PASS_PIXEL_RAYS, bindings, &push, b->count, error));
 		if (r->cancelled && r->cancelled(r->user))
@@ -121,14 +128,38 @@ static gw_status run_rays(gw_render_octree *o, const batch *b, const gw_pixels *
 	return GW_OK;
 }
 
+typedef struct given_run {
+	const gw_given_rays *rays;
+	const gw_reflection *reflection;
+} given_run;
+
+static gw_status run_given(gw_render_octree *o, batch *b, const gw_pixels *pixels, const void *how,
+						   gw_error *error)
+{
+	const given_run *run = how;
+	const gw_pixel_push push = push_of(o, run->reflection, b);
+	const gw_binding bindings[] = { RAY_BINDINGS(o, b) };
+	(void)pixels;
+	GW_TRY(gw_buffer_upload(o->gpu, &b->result, 0, run->rays->way + 4 * b->first,
+							16 * (uint64_t)b->count, error));
+	return gw_passes_run(&o->passes, GW_PASS_GIVEN_RAYS, bindings, &push, b->count, error);
+}
+
+gw_status gw_given_rays_trace(gw_render_octree *o, const gw_given_rays *rays,
+							  const gw_reflection *reflection, float *light, gw_error *error)
+{
+	const given_run how = { rays, reflection };
+	return run_batches(o, &rays->from, run_given, &how, light, error);
+}
+
 /* Of passes that read the bricks. */
 #define BRICK_BINDINGS(o, b)                                                                       \
 	gw_whole(&(o)->octree.level_directory), gw_whole(&(o)->octree.node),                           \
 		gw_voxels_of(&(o)->bricks.leaf_pool), gw_voxels_of(&(o)->bricks.mip_pool),                 \
 		gw_window(&(b)->position, 16), gw_window(&(b)->normal, 16), gw_window(&(b)->result, 16)
 
-static gw_status run_cone(gw_render_octree *o, const batch *b, const gw_pixels *pixels,
-						  const void *how, gw_error *error)
+static gw_status run_cone(gw_render_octree *o, batch *b, const gw_pixels *pixels, const void *how,
+						  gw_error *error)
 {
 	const gw_reflection *r = how;
 	gw_cone_push push = gw_cone_gather_push(&o->bricks, o->scale, r->sky);
@@ -148,8 +179,8 @@ typedef struct cache_run {
 	const gw_reflection *reflection;
 } cache_run;
 
-static gw_status run_caches(gw_render_octree *o, const batch *b, const gw_pixels *pixels,
-							const void *how, gw_error *error)
+static gw_status run_caches(gw_render_octree *o, batch *b, const gw_pixels *pixels, const void *how,
+							gw_error *error)
 {
 	const cache_run *run = how;
 	const gw_gloss_caches *c = run->caches;
@@ -252,8 +283,8 @@ gw_status gw_render_octree_reflect(gw_render_octree *o, const gw_pixels *pixels,
 					   error);
 }
 
-static gw_status run_read(gw_render_octree *o, const batch *b, const gw_pixels *pixels,
-						  const void *how, gw_error *error)
+static gw_status run_read(gw_render_octree *o, batch *b, const gw_pixels *pixels, const void *how,
+						  gw_error *error)
 {
 	const float black[3] = { 0 };
 	gw_cone_push push = gw_cone_gather_push(&o->bricks, o->scale, black);

@@ -145,6 +145,11 @@ gw_cache_seconds gw_render_octree_cache_seconds(const gw_render_octree *octree)
 	return octree->cache_seconds;
 }
 
+gw_lost_rays gw_render_octree_lost_rays(const gw_render_octree *octree)
+{
+	return octree->lost;
+}
+
 gw_status gw_render_octree_records(gw_render_octree *o, const gw_surfels *surfels,
 								   const gw_bake_options *bake, float **position, size_t *count,
 								   gw_error *error)

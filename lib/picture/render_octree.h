@@ -21,7 +21,23 @@ struct gw_render_octree {
 	float scale;    /* of the radiance in the bricks */
 	gw_sky_map sky; /* width 0: there is none */
 	gw_cache_seconds cache_seconds;
+	gw_lost_rays lost;
 };
+
+/* Rays that leave surfaces. */
+typedef struct gw_given_rays {
+	gw_pixels from;   /* position: and a number in [0, 1): what is less than opaque ends the ray
+						 when no more is left of it; normal: of the surface there */
+	const float *way; /* 4 a ray: unit, 0 */
+} gw_given_rays;
+
+/*
+ * The light along them: of what they meet, or the sky.
+ *   reflection   of it the sky
+ *   light        4 a ray: radiance, 0
+ */
+gw_status gw_given_rays_trace(gw_render_octree *octree, const gw_given_rays *rays,
+							  const gw_reflection *reflection, float *light, gw_error *error);
 
 /* From metres to grid coordinates. */
 void gw_render_octree_to_grid(const gw_render_octree *octree, const float metres[3], float grid[3]);

@@ -51,6 +51,16 @@ eval run 0 render rough.ply -o told.png $around --glossy caches --profile |
 	awk '/^(distribution|creation|evaluation|placed|pixels) / { print $1, ($2 > 0 ? "some" : $2) }'
 # shellcheck disable=SC2086
 eval run 0 render rough.ply -o rough-rays.png $around --glossy rays
+# Of rays in the maps of probes some are served by none, and traced: the same for any number of
+# threads.
+for threads in 1 2; do
+	# shellcheck disable=SC2086
+	run 0 render lit.ply -o probes$threads.png -q $small --glossy probes --probe-size 16 \
+		-j $threads --profile |
+		awk '/^(looking|tracing|placed|rays|traced) / { print $1, ($2 > 0 ? "some" : $2) }'
+	data probes$threads.png
+done
+cmp probes1.png.data probes2.png.data
 for name in orbit1-0001 orbit1-0002 orbit1-0003 orbit2-0001 orbit2-0002 orbit2-0003 \
 	rough rough-rays; do
 	data $name.png

@@ -165,7 +165,7 @@ static double exit_z(const double from[3], const double d[3])
 }
 
 /* Probes of the same points, which glow; maps of 64 x 64 texels. */
-static gw_probes *make_probes(const world *w, field f)
+static gw_probes *make_probes(const world *w, field f, const gw_probes_options *how)
 {
 	gw_points points = scene_points(&w->scene);
 	float *emission = calloc(points.count, 3 * sizeof *emission);
@@ -186,7 +186,7 @@ static gw_probes *make_probes(const world *w, field f)
 	const gw_scene_description description = { &points, NULL, 0 };
 	assert_ok(gw_scene_create(&description, &options, NULL, &prepared, &error), &error);
 	assert_ok(gw_lighting_create(prepared, NULL, 0, &lighting, &error), &error);
-	assert_ok(gw_probes_make(lighting, NULL, &probes, &error), &error);
+	assert_ok(gw_probes_make(lighting, how, &probes, &error), &error);
 	gw_lighting_destroy(&lighting);
 	gw_scene_destroy(&prepared);
 	free(emission);
@@ -205,7 +205,7 @@ static void probes_keep_the_furnace_white(void **state)
 	world w;
 	const field one = { 1.0, 0.0 };
 	open_world(&w, one, false);
-	gw_probes *probes = make_probes(&w, one);
+	gw_probes *probes = make_probes(&w, one, NULL);
 	gw_pixels pixels = { .count = PIXELS, .position = position, .normal = normal };
 	const gw_reflection how = { .rays = 32 };
 	place_pixels(&w, &(ball){ RADIUS, 1.0f, 0.4f, 0.5f }, position, normal);
@@ -293,7 +293,7 @@ static void probes_show_the_place(void **state)
 	world w;
 	const field linear = { 2.0, 1.0 };
 	open_world(&w, linear, false);
-	gw_probes *probes = make_probes(&w, linear);
+	gw_probes *probes = make_probes(&w, linear, NULL);
 	gw_pixels pixels = { .count = PIXELS, .position = position, .normal = normal };
 	const gw_reflection how = { .rays = 1 };
 	place_pixels(&w, &(ball){ RADIUS, 1.0f, 0.0f, 1.0f }, position, normal);
@@ -303,6 +303,47 @@ static void probes_show_the_place(void **state)
 	double rms = mirror_error(&w, position, normal, reflected);
 	printf("mirror, by %zu probes: RMS %.5f\n", probes->count, rms);
 	assert_true(rms < 0.06);
+	gw_probes_destroy(&probes);
+	close_world(&w);
+}
+
+/*
+ * One probe sees half of the space around the ball. Where a ray leaves what it sees, the octree
+ * counts, so that all places are as near to the truth as where probes see all; without it many are
+ * far off.
+ */
+static void what_no_probe_sees_is_traced(void **state)
+{
+	(void)state;
+	static float position[4 * PIXELS], normal[4 * PIXELS], reflected[4 * PIXELS];
+	static float again[4 * PIXELS];
+	gw_error error = { 0 };
+	world w;
+	const field linear = { 2.0, 1.0 };
+	gw_probes_options one = gw_probes_options_default();
+	one.count = 1;
+	open_world(&w, linear, false);
+	gw_probes *probes = make_probes(&w, linear, &one);
+	gw_pixels pixels = { .count = PIXELS, .position = position, .normal = normal };
+	gw_reflection how = { .rays = 1 };
+	assert_int_equal(probes->count, 1);
+	place_pixels(&w, &(ball){ RADIUS, 1.0f, 0.0f, 1.0f }, position, normal);
+	set_eye(&w, &pixels);
+	assert_ok(gw_probes_reflect(probes, w.surfels.origin, &pixels, &how, reflected, &error),
+			  &error);
+	double without = mirror_error(&w, position, normal, reflected);
+	how.octree = w.octree;
+	assert_ok(gw_probes_reflect(probes, w.surfels.origin, &pixels, &how, reflected, &error),
+			  &error);
+	double rms = mirror_error(&w, position, normal, reflected);
+	const gw_lost_rays sent = gw_render_octree_lost_rays(w.octree);
+	printf("mirror, by one probe: RMS %.5f, %.5f where the %.1f %% that it loses are traced\n",
+		   without, rms, 100.0 * (double)sent.traced / PIXELS);
+	assert_int_equal(sent.rays, PIXELS);
+	assert_true(sent.traced > 0 && sent.traced < PIXELS);
+	assert_true(rms < 0.06 && without > 2.0 * rms);
+	assert_ok(gw_probes_reflect(probes, w.surfels.origin, &pixels, &how, again, &error), &error);
+	assert_memory_equal(reflected, again, sizeof again);
 	gw_probes_destroy(&probes);
 	close_world(&w);
 }
@@ -423,11 +464,9 @@ static void bricks_hold_a_linear_field(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(furnace_stays_white),
-		cmocka_unit_test(mirror_shows_the_place),
-		cmocka_unit_test(probes_keep_the_furnace_white),
-		cmocka_unit_test(probes_show_the_place),
-		cmocka_unit_test(mirror_shows_the_sky),
+		cmocka_unit_test(furnace_stays_white),           cmocka_unit_test(mirror_shows_the_place),
+		cmocka_unit_test(probes_keep_the_furnace_white), cmocka_unit_test(probes_show_the_place),
+		cmocka_unit_test(what_no_probe_sees_is_traced),  cmocka_unit_test(mirror_shows_the_sky),
 		cmocka_unit_test(bricks_hold_a_linear_field),
 	};
 	/* How probes are traced by shaders is in test_shaders.c; they are read on the CPU. */

@@ -206,6 +206,19 @@ static void frames_of_a_cellar(void **state)
 
 #define PIXELS 64u
 
+/* Along given rays, each the normal of a pixel, all is 1. */
+static void look_outwards(gw_render_octree *octree, const gw_pixels *pixels)
+{
+	float seen[4 * PIXELS];
+	gw_error error = { 0 };
+	const gw_given_rays rays = { *pixels, pixels->normal };
+	assert_ok_validated(
+		gw_given_rays_trace(octree, &rays, &(gw_reflection){ .rays = 1 }, seen, &error), &error);
+	for (size_t i = 0; i < PIXELS; i++)
+		if (!(fabsf(seen[4 * i] - 1.0f) <= 1e-5f))
+			fail_msg("ray %zu sees %.5f", i, (double)seen[4 * i]);
+}
+
 /* What pixels in the middle of a sphere see of it by shaders: of a ball there that reflects all, by
  * rays, by a cone, and unless accesses are looked at by caches, of voxels, and what cells show. It
  * glows evenly with 1, and so do they; cones are not full where their last step ends, by 3 %
@@ -244,6 +257,8 @@ static void look_around(gw_render_octree *octree, const gw_surfels *surfels, boo
 			if (!(fabsf(seen[4 * i] - 1.0f) <= off[w]))
 				fail_msg("way %zu: pixel %zu sees %.5f", w, i, (double)seen[4 * i]);
 	}
+	if (caches)
+		look_outwards(octree, &pixels);
 	for (size_t k = 0; k < 3; k++)
 		pixels.eye[k] = (float)-surfels->origin[k];
 	for (size_t i = 0; i < PIXELS; i++)
@@ -353,11 +368,11 @@ static void probes_of_a_box(void **state)
 
 /* ---------------------------------------------------------------------------------------- all */
 
-/* Volumes, probes and caches, whose accesses are not looked at: it takes minutes to compile for
- * that. */
+/* Volumes, probes, caches and given rays, whose accesses are not looked at: it takes minutes to
+ * compile for that. */
 static bool is_costly(int id)
 {
-	return (id >= GW_PASS_VOLUME_RAYS && id <= GW_PASS_PROBE_RAYS) ||
+	return (id >= GW_PASS_VOLUME_RAYS && id <= GW_PASS_PROBE_RAYS) || id == GW_PASS_GIVEN_RAYS ||
 		   (id >= GW_PASS_CACHE_RAYS && id <= GW_PASS_PIXEL_CACHES);
 }
 

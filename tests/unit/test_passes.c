@@ -15,6 +15,7 @@
 #include "device/passes.h"
 #include "device/prefix_sum.h"
 #include "glowworm_picture.h"
+#include "picture/render_octree.h"
 #include "glowworm_probes.h"
 #include "expected.h"
 #include "scenes.h"
@@ -84,6 +85,7 @@ static const struct {
 	[GW_PASS_VOLUME_SPREAD] = { "ll", 0 },
 	[GW_PASS_PROBE_SIGHT] = { "l=", 0 },
 	[GW_PASS_PROBE_RAYS] = { "hd=", 0 },
+	[GW_PASS_GIVEN_RAYS] = { "==l=", 0 },
 	[GW_PASS_CACHE_RAYS] = { "l=", 0 },
 	[GW_PASS_CACHE_MIPS] = { "+", 4 },
 	[GW_PASS_PIXEL_CACHES] = { "==l", 0 },
@@ -564,7 +566,25 @@ static void frames_both_ways(void **state)
 	scene_clear(&s);
 }
 
-/* Glossy pixels on the floor of a box, which share caches. */
+/* A ray from each of the pixels, upwards and to a side. */
+static void trace_upwards(gw_render_octree *octree, const gw_pixels *pixels)
+{
+	gw_error error = { 0 };
+	float *way = calloc(pixels->count, 4 * sizeof *way);
+	float *light = calloc(pixels->count, 4 * sizeof *light);
+	assert_true(way && light);
+	for (size_t i = 0; i < pixels->count; i++) {
+		way[4 * i + i % 2] = 0.6f;
+		way[4 * i + 2] = 0.8f;
+	}
+	const gw_given_rays rays = { *pixels, way };
+	assert_ok(gw_given_rays_trace(octree, &rays, &(gw_reflection){ .rays = 1 }, light, &error),
+			  &error);
+	free(way);
+	free(light);
+}
+
+/* Glossy pixels on the floor of a box, which share caches, and rays from them. */
 static void caches_both_ways(void **state)
 {
 	enum { PIXELS = 32 * 32 };
@@ -603,6 +623,7 @@ static void caches_both_ways(void **state)
 	/* Their positions are as good as random numbers. */
 	assert_ok(gw_render_octree_create(&surfels, surfels.position, &how, &octree, &error), &error);
 	assert_ok(gw_render_octree_reflect(octree, &pixels, &reflection, reflected, &error), &error);
+	trace_upwards(octree, &pixels);
 	gw_render_octree_destroy(&octree);
 	gw_surfels_clear(&surfels);
 	scene_clear(&s);
