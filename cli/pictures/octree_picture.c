@@ -43,6 +43,19 @@ static bool is_glossy(const render_scene *scene)
 	return false;
 }
 
+/* Where there is no room for a probe all rays are traced. */
+static gw_status place_probes(const settings *s, const render_scene *scene, const sky_light *sky,
+							  octree_picture *p, gw_error *error)
+{
+	gw_status status = lit_probes_make(s, scene, sky, &p->probes, error);
+	if (status != GW_ERROR_DATA)
+		return status;
+	if (!s->quiet)
+		fprintf(stderr, "glowworm: note: there is no free space for a probe; what glossy points "
+						"reflect is traced by rays\n");
+	return GW_OK;
+}
+
 /* Probes, where they are to show what is reflected, and the octree, in which rays are traced that
  * none of them serves; the probes first, whose own octree is gone by then. */
 static gw_status build(const settings *s, const render_scene *scene, const sky_light *sky,
@@ -50,7 +63,7 @@ static gw_status build(const settings *s, const render_scene *scene, const sky_l
 {
 	bool bricks = p->voxels || p->reflection.cone;
 	if (p->glossy && s->render.glossy == SETTINGS_GLOSSY_PROBES)
-		GW_TRY(lit_probes_make(s, scene, sky, &p->probes, error));
+		GW_TRY(place_probes(s, scene, sky, p, error));
 	GW_TRY(scene_octree_create(s, scene, bricks ? SCENE_OCTREE_BRICKS : SCENE_OCTREE_RAYS,
 							   &p->octree, error));
 	p->reflection.octree = p->octree;

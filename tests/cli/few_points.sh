@@ -32,6 +32,24 @@ for how in rays cones caches probes; do
 done
 run 0 render glossy.ply -o orbit.png -q --size 16x12 --samples 1 --glossy caches --orbit 2 \
 	--camera 'at 0,-3.4,1 to 0,0,1 fov 46'
+cat >three.ply <<'END'
+ply
+format ascii 1.0
+element vertex 3
+property float x
+property float y
+property float z
+property float specular
+property float roughness
+property float scalar_radiance_r
+property float scalar_radiance_g
+property float scalar_radiance_b
+end_header
+0 0 0 0.5 0.2 1 1 1
+0 1 0 0.5 0.2 1 1 1
+0 1 1 0.5 0.2 1 1 1
+END
+run 0 render three.ply -o three.png --size 16x12 --samples 1 --glossy probes
 ls ./*.png
 
 # Views, each of which draws something else; and probes, kept and read again.
