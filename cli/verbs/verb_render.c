@@ -30,6 +30,17 @@
 #define CAMERA_TRIPLE CAMERA_TEXT_NUMBER "," CAMERA_TEXT_NUMBER "," CAMERA_TEXT_NUMBER
 #define CAMERA_PLACE "at " CAMERA_TRIPLE " to " CAMERA_TRIPLE
 
+/* What is told of all inputs together: with --row each is gone when the next one is read. */
+typedef struct tally {
+	size_t points, in_view, probes;
+	double read_seconds, choose_seconds, surface_seconds;
+	bool glossy, voxels, cubic, caches;
+	double build_seconds, look_seconds; /* of octrees */
+	uint64_t pixels;
+	gw_cache_seconds cached;
+	gw_lost_rays lost;
+} tally;
+
 /* All that lives as long as one run. */
 typedef struct render {
 	settings *settings;
@@ -42,6 +53,7 @@ typedef struct render {
 	render_scene scene;
 	octree_picture octree;
 	octree_view inner; /* --view cells and others that show what lies behind the light */
+	tally tally;
 	progress progress;
 	double read_seconds, meter_seconds, draw_seconds, write_seconds; /* draw: all three */
 	double geometry_seconds, shade_seconds; /* of the pictures, without metering: the surface that
@@ -353,7 +365,7 @@ static gw_status read_scene(render *r)
 	if (r->look.view == SETTINGS_VIEW_RADIANCE)
 		GW_TRY(octree_picture_open(r->settings, &r->scene, &r->octree, r->error));
 	GW_TRY(open_view(r));
-	r->read_seconds = gw_seconds() - start;
+	r->read_seconds += gw_seconds() - start;
 	return GW_OK;
 }
 
@@ -691,6 +703,43 @@ static gw_status add_to_row(render *r, picture_row *row, size_t place)
 	return GW_OK;
 }
 
+static void tally_octree(tally *t, const octree_picture *o)
+{
+	t->glossy = t->glossy || o->glossy;
+	t->voxels = t->voxels || o->voxels;
+	t->cubic = t->cubic || o->cubic;
+	t->build_seconds += o->build_seconds;
+	t->look_seconds += o->seconds;
+	t->pixels += o->pixels;
+	if (!o->octree)
+		return;
+	const gw_cache_seconds cached = gw_render_octree_cache_seconds(o->octree);
+	const gw_lost_rays lost = gw_render_octree_lost_rays(o->octree);
+	t->caches = t->caches || o->reflection.caches;
+	t->cached.caches += cached.caches;
+	t->cached.readers += cached.readers;
+	t->cached.distribution += cached.distribution;
+	t->cached.creation += cached.creation;
+	t->cached.evaluation += cached.evaluation;
+	t->probes += o->probes ? o->probes->count : 0;
+	t->lost.rays += lost.rays;
+	t->lost.traced += lost.traced;
+	t->lost.looking += lost.looking;
+	t->lost.tracing += lost.tracing;
+}
+
+/* Adds what is known of an input that was drawn. */
+static void tally_scene(render *r)
+{
+	tally *t = &r->tally;
+	t->points += r->scene.surfels.point_count;
+	t->in_view += r->scene.surfels.count;
+	t->read_seconds += r->scene.read_seconds;
+	t->choose_seconds += r->scene.choose_seconds;
+	t->surface_seconds += r->scene.surface_seconds;
+	tally_octree(t, &r->octree);
+}
+
 static gw_status read_row(render *r, picture_row *row)
 {
 	settings *all = r->settings;
@@ -702,6 +751,7 @@ static gw_status read_row(render *r, picture_row *row)
 		r->settings = &one;
 		status = add_to_row(r, row, i);
 		r->settings = all;
+		tally_scene(r);
 		octree_picture_clear(&r->octree);
 		octree_view_clear(&r->inner);
 		render_scene_clear(&r->scene);
@@ -767,17 +817,17 @@ static void summarize(const render *r)
 			v->to[1], v->to[2], v->angle);
 	if (!isnan(r->look.exposure))
 		fprintf(stderr, "exposure  EV %g\n", r->look.exposure);
-	fprintf(stderr, "points    %zu\n", r->scene.surfels.point_count);
+	fprintf(stderr, "points    %zu\n", r->tally.points);
 	fprintf(stderr, "read      %.2f s\n", r->read_seconds);
 	fprintf(stderr, "draw      %.2f s\n", r->draw_seconds);
 	if (r->inner.shown)
 		fprintf(stderr, "shown     %zu, %s m wide\n", r->inner.shown,
 				GW_SAID((double)r->inner.size, 4));
-	if (!r->octree.glossy && !r->octree.voxels)
+	if (!r->tally.glossy && !r->tally.voxels)
 		return;
 	fprintf(stderr, "octree    %.2f s to build (of read), %.2f s to look up (of draw)\n",
-			r->octree.build_seconds, r->octree.seconds);
-	fprintf(stderr, "glossy    %llu pixels\n", (unsigned long long)r->octree.pixels);
+			r->tally.build_seconds, r->tally.look_seconds);
+	fprintf(stderr, "glossy    %llu pixels\n", (unsigned long long)r->tally.pixels);
 }
 
 static void show_stage(const char *name, double seconds)
@@ -788,7 +838,7 @@ static void show_stage(const char *name, double seconds)
 /* The rows of Salm's tables 5.1 to 5.4 that are of a picture, each for one of them. */
 static void show_final(const render *r)
 {
-	bool cubic = r->octree.cubic && r->octree.voxels, glossy = r->octree.glossy;
+	bool cubic = r->tally.cubic && r->tally.voxels, glossy = r->tally.glossy;
 	const char *shading = cubic ? glossy ? "ds(c/g)" : "ds(c)" : glossy ? "ds(g)" : "ds";
 	size_t pictures =
 		r->settings->render.row ? r->settings->input_count : camera_plan_count(&r->plan);
@@ -803,9 +853,9 @@ static void show_final(const render *r)
 /* The rows of Rehfeld's tables that are of caches, of all pictures and what metered them. */
 static void show_caches(const render *r)
 {
-	if (!r->octree.octree || !r->octree.reflection.caches)
+	if (!r->tally.caches)
 		return;
-	const gw_cache_seconds spent = gw_render_octree_cache_seconds(r->octree.octree);
+	const gw_cache_seconds spent = r->tally.cached;
 	fprintf(stderr, "\n%-18s %9s\n", "caches", "ms");
 	show_stage("distribution", spent.distribution);
 	show_stage("creation", spent.creation);
@@ -817,14 +867,14 @@ static void show_caches(const render *r)
 /* What glossy pixels read from probes, of all pictures and what metered them. */
 static void show_probes(const render *r)
 {
-	if (!r->octree.octree || !r->octree.probes)
+	if (r->tally.probes == 0)
 		return;
-	const gw_lost_rays sent = gw_render_octree_lost_rays(r->octree.octree);
+	const gw_lost_rays sent = r->tally.lost;
 	const double share = sent.rays ? 100.0 * (double)sent.traced / (double)sent.rays : 0.0;
 	fprintf(stderr, "\n%-18s %9s\n", "probes", "ms");
 	show_stage("looking", sent.looking);
 	show_stage("tracing", sent.tracing);
-	fprintf(stderr, "%-18s %9zu\n", "placed", r->octree.probes->count);
+	fprintf(stderr, "%-18s %9zu\n", "placed", r->tally.probes);
 	fprintf(stderr, "%-18s %9llu\n", "rays", (unsigned long long)sent.rays);
 	fprintf(stderr, "%-18s %9.2f %%\n", "traced", share);
 }
@@ -832,13 +882,13 @@ static void show_probes(const render *r)
 /* What --profile says. */
 static void show_profile(const render *r)
 {
-	const render_scene *scene = &r->scene;
+	const tally *t = &r->tally;
 	double pictures = r->draw_seconds - r->meter_seconds - r->write_seconds;
 	struct rusage usage;
 	fprintf(stderr, "%-18s %9s\n", "stage", "ms");
-	show_stage("read", scene->read_seconds);
-	show_stage("camera", scene->choose_seconds);
-	show_stage("surface", scene->surface_seconds);
+	show_stage("read", t->read_seconds);
+	show_stage("camera", t->choose_seconds);
+	show_stage("surface", t->surface_seconds);
 	show_stage("exposure", r->meter_seconds);
 	show_stage("draw", pictures);
 	show_stage("write", r->write_seconds);
@@ -846,8 +896,8 @@ static void show_profile(const render *r)
 	show_final(r);
 	show_caches(r);
 	show_probes(r);
-	fprintf(stderr, "\n%-18s %9zu\n", "points", scene->surfels.point_count);
-	fprintf(stderr, "%-18s %9zu\n", "in view", scene->surfels.count);
+	fprintf(stderr, "\n%-18s %9zu\n", "points", t->points);
+	fprintf(stderr, "%-18s %9zu\n", "in view", t->in_view);
 	if (getrusage(RUSAGE_SELF, &usage) == 0)
 		fprintf(stderr, "%-18s %9.1f MB\n", "peak", (double)usage.ru_maxrss / 1024.0);
 }
@@ -863,6 +913,8 @@ gw_status verb_render(settings *s, gw_error *error)
 	quality_preset_apply(s);
 	gw_status status = run(&r);
 	progress_end(&r.progress);
+	if (!s->render.row)
+		tally_scene(&r);
 	if (status == GW_OK && s->verbose)
 		summarize(&r);
 	if (status == GW_OK && s->profile)

@@ -56,3 +56,10 @@ for radiance in points trilinear tricubic; do
 		on && /^G-buffer/ { print $1, $3 }
 		END { if (sum > 0.151 || sum < -0.151) print "final is off by", sum, "ms" }' said.txt
 done
+# Pictures side by side: of all inputs.
+one=$(glowworm render lit.ply -q -f -o p.png --size 64x48 --camera "$camera" --profile 2>&1)
+glowworm render lit.ply lit.ply --row -q -f -o p.png --size 64x48 --camera "$camera" --profile \
+	>said.txt 2>&1
+{ echo "$one"; cat said.txt; } | awk '/^(points|in view) / { n[$1] = n[$1] " " $NF }
+	/^(read|surface) / && !($2 > 0) { print $1 " took no time" }
+	END { for (i in n) { split(n[i], of, " "); print of[2] / of[1] " times the", i } }' | sort
