@@ -99,6 +99,8 @@ typedef struct gw_surfels {
 						  their own; 0: as is usual */
 	const void *lent;  /* arrays that lie in these lent_bytes are not its own; or NULL */
 	size_t lent_bytes;
+	float noise_taken; /* metres, RMS: noise that was taken out of the places of bare points before
+						  planes were put through them; 0: none was looked for, or found */
 	bool seen_from_above; /* normals were missing, and it is ground that was seen from above alone:
 							 what of these faces up does so rightly */
 	/* What was repaired, for the report. Normals count surfels, the others points. */

@@ -48,6 +48,7 @@ typedef struct line_sums {
 	float count, x, y, xx, xy, yy;
 	float others, height, turn; /* of neighbours on another face: sums of the surfel's height over
 								   it and of the squared difference of the normals */
+	float reach;                /* metres: of the neighbours */
 	/* Weights of neighbours in whose plane the surfel lies, and sums over them, of the squared
 	 * difference of the normals that is error and of the square of that. */
 	float in_plane, differs, differs_squared;
@@ -104,7 +105,7 @@ static void measure_heights(void *user, size_t surfel, const gw_neighbour_list *
 	line_sums *sums = &step->sums[surfel];
 	const float *p = s->position + 3 * surfel, *n = s->normal + 3 * surfel;
 	double reach = list->count ? (double)list->distance[list->count - 1] : 0;
-	*sums = (line_sums){ 0 };
+	*sums = (line_sums){ .reach = (float)reach };
 	for (uint32_t j = 0; j < list->count && reach > 0; j++) {
 		size_t other = list->index[j];
 		const float *q = s->position + 3 * other, *m = s->normal + 3 * other;
@@ -134,6 +135,7 @@ typedef struct region_line {
 	double excess;       /* mean of what mean squared heights of surfels are above the noise */
 	double median;       /* of mean squared heights: of most surfels, whatever creases there are */
 	bool crosses;        /* planes may be fitted over creases */
+	double taken;        /* metres: noise that was taken out of places */
 } region_line;
 
 /* Mean squared height of a surfel's neighbours above what noise makes of it. */
@@ -208,15 +210,17 @@ static double of_planes(const line_sums *sums)
 
 /*
  * What a surfel's normal is off because it may be the other face's of a crease: it can lie on that
- * face when it is no higher above than noise makes it. Halves of the variance between two heights
- * are of each of the two; of the others here the mean is taken.
+ * face when it is no higher above than noise makes it, or made it before that was taken out. Halves
+ * of the variance between two heights are of each of the two; of the others here the mean is taken.
  */
 static double other_turn(const line_sums *sums, const region_line *line)
 {
-	if (!(sums->others > 0) || !(line->noise > 0))
+	double taken = sums->reach > 0 ? line->taken / (double)sums->reach : 0;
+	double own = 0.5 * line->noise + taken * taken;
+	if (!(sums->others > 0) || !(own > 0))
 		return 0;
 	double count = (double)sums->others, height = (double)sums->height / count;
-	double variance = 0.5 * line->noise * (1 + 1 / count);
+	double variance = own * (1 + 1 / count);
 	double wrong = 0.5 * exp(-0.5 * height * height / variance);
 	return wrong * (double)sums->turn / count;
 }
@@ -251,6 +255,7 @@ gw_status gw_plane_error(gw_neighbours *search, gw_surfels *surfels, gw_error *e
 		size_t last = n - first < GW_NOISE_REGION ? n : first + GW_NOISE_REGION;
 		region_line line = fit_line(step.sums + first, last - first);
 		line.median = median_height(step.sums + first, last - first);
+		line.taken = (double)surfels->noise_taken;
 		line.crosses = line.median > HEIGHT_LEAST || has_grids(surfels, first, last);
 		for (size_t i = first; i < last; i++)
 			if (surfels->shading_normal_off[i] > 0)

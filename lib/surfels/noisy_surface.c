@@ -80,12 +80,28 @@
 #define EDGE_REACH 1.5
 #define DEVIATION 1.5
 
+/*
+ * Where points are further apart than noise is wide, a reach is wide for much else: both faces of a
+ * thin wall are within it. So where a plane leaves so many times what it leaves at this share of
+ * the points, these are parted by its sides, and then by which of the planes of these parts they
+ * are nearer to. They are two sheets, of a plane each, if these are about parallel and further
+ * apart than so many times what either leaves. And points go to no plane that is further off than
+ * noise is (FAR_OFF).
+ */
+#define SHEETS 2u
+#define SHEETS_SINGLE 0.1
+#define SHEETS_LEAVE 1.5
+#define SHEETS_APART 6.0
+#define SHEETS_PARALLEL 0.9
+#define SHEETS_ROUNDS 3
+
 typedef struct cell {
 	double points, sum[3], product[6]; /* xx, xy, xz, yy, yz, zz */
 } cell;
 
 typedef struct cell_plane {
 	double normal[3], offset, left; /* metres: of what lies on it, and root mean square off it */
+	double most;                    /* metres: what is further off it goes elsewhere */
 	bool holds;
 } cell_plane;
 
@@ -94,13 +110,15 @@ typedef struct flattening {
 	const uint32_t *some; /* count, the surfels that are looked at; NULL: all */
 	size_t count, step;   /* every so many of these for now */
 	double low[3], reach;
+	bool sparse;  /* points are further apart than noise is wide */
+	double noise; /* metres: what planes left at most points */
 	uint32_t threads;
 	gw_keyed *sorted; /* points by cells */
 	size_t sorted_count;
-	uint64_t *key; /* cells: their Morton keys, ascending */
-	size_t *first; /* cells + 1: in sorted */
-	cell *cell;    /* cells */
-	cell_plane *plane;
+	uint64_t *key;     /* cells: their Morton keys, ascending */
+	size_t *first;     /* cells + 1: in sorted */
+	cell *cell;        /* cells */
+	cell_plane *plane; /* SHEETS a cell */
 	size_t cells;
 	uint8_t *moved; /* one a surfel */
 	size_t moved_count;
@@ -165,7 +183,7 @@ static bool list_cells(flattening *f)
 	f->key = gw_allocate_array(f->cells, sizeof *f->key);
 	f->first = gw_allocate_array(f->cells + 1, sizeof *f->first);
 	f->cell = gw_allocate_zeros(f->cells, sizeof *f->cell);
-	f->plane = gw_allocate_zeros(f->cells, sizeof *f->plane);
+	f->plane = gw_allocate_zeros(f->cells, SHEETS * sizeof *f->plane);
 	if (!f->key || !f->first || !f->cell || !f->plane)
 		return false;
 	size_t at = 0;
@@ -244,29 +262,40 @@ static cell_plane plane_of(const cell *sum)
 	for (int k = 0; k < 3; k++)
 		plane.offset += plane.normal[k] * middle[k];
 	plane.left = sqrt(fmax(least, EXACT * all));
+	plane.most = FAR_OFF * plane.left;
 	plane.holds = sum->points >= POINTS_LEAST && least < SHARE_MOST * all;
 	return plane;
 }
 
-static void find_plane(const flattening *f, size_t c)
+/* Cells so many cells away at most, itself among them. */
+static uint32_t list_cells_around(const flattening *f, size_t c, int most,
+								  uint32_t found[AROUND_COUNT])
 {
-	const cell *own = &f->cell[c];
-	cell sum = { 0 };
-	double middle[3], other[3];
-	uint32_t at[3];
+	uint32_t at[3], count = 0;
 	int way[3];
 	gw_morton_decode(f->key[c], at);
-	middle_of(own, middle);
-	for (way[2] = -AROUND; way[2] <= AROUND; way[2]++)
-		for (way[1] = -AROUND; way[1] <= AROUND; way[1]++)
-			for (way[0] = -AROUND; way[0] <= AROUND; way[0]++) {
-				uint32_t found = find_cell(f, at, way);
-				if (found == NO_CELL)
-					continue;
-				middle_of(&f->cell[found], other);
-				add_weighted(&sum, &f->cell[found], weight_at(squared(middle, other), f->reach));
+	for (way[2] = -most; way[2] <= most; way[2]++)
+		for (way[1] = -most; way[1] <= most; way[1]++)
+			for (way[0] = -most; way[0] <= most; way[0]++) {
+				uint32_t other = find_cell(f, at, way);
+				if (other != NO_CELL)
+					found[count++] = other;
 			}
-	f->plane[c] = plane_of(&sum);
+	return count;
+}
+
+static void find_plane(const flattening *f, size_t c)
+{
+	cell sum = { 0 };
+	double middle[3], other[3];
+	uint32_t around[AROUND_COUNT], count = list_cells_around(f, c, AROUND, around);
+	middle_of(&f->cell[c], middle);
+	for (uint32_t j = 0; j < count; j++) {
+		const cell *found = &f->cell[around[j]];
+		middle_of(found, other);
+		add_weighted(&sum, found, weight_at(squared(middle, other), f->reach));
+	}
+	f->plane[SHEETS * c] = plane_of(&sum);
 }
 
 static void find_planes(void *user, size_t first, size_t last, uint32_t worker)
@@ -304,17 +333,17 @@ static double usual_distance(const gw_surfels *s, gw_neighbours *search)
 	return count > 0 ? (double)gw_nth_element(distance, count, count / 2) : 0.0;
 }
 
-/* What planes leave at half of the points. */
-static double usually_left(const flattening *f)
+/* What planes leave at a share of the points at most. */
+static double usually_left(const flattening *f, double share)
 {
 	float left[PLACES];
 	size_t step = f->sorted_count / PLACES + 1, count = 0, c = 0;
 	for (size_t i = 0; i < f->sorted_count; i += step) {
 		while (f->first[c + 1] <= i)
 			c++;
-		left[count++] = (float)f->plane[c].left;
+		left[count++] = (float)f->plane[SHEETS * c].left;
 	}
-	return count > 0 ? (double)gw_nth_element(left, count, count / 2) : 0.0;
+	return count > 0 ? (double)gw_nth_element(left, count, (size_t)(share * (double)count)) : 0.0;
 }
 
 /* The least reach that is wide for what its planes leave, if that is noise; 0: there is none. Of
@@ -327,7 +356,7 @@ static gw_status find_reach(flattening *f, gw_neighbours *search, double reach, 
 	f->step = f->count / POINTS_FOR_REACH + 1;
 	for (int k = 0; k <= REACHES && reach > 0.0; k++, reach *= REACH_GROWTH) {
 		GW_TRY(make_planes(f, search, reach, error));
-		double left = usually_left(f);
+		double left = usually_left(f, 0.5);
 		/* Was the reach before this one enough? */
 		if (reach > REACH_GROWTH * REACH_ENOUGH * before) {
 			*found = left < STEADY * fmin(earlier, before) ? reach / REACH_GROWTH : 0.0;
@@ -341,12 +370,105 @@ static gw_status find_reach(flattening *f, gw_neighbours *search, double reach, 
 	return GW_OK;
 }
 
+/* ------------------------------------------------------------------------------------- sheets */
+
+static double distance_off(const cell_plane *p, const double *place)
+{
+	double off = -p->offset;
+	for (int k = 0; k < 3; k++)
+		off += p->normal[k] * place[k];
+	return off;
+}
+
+/* Cells, and the place that points in them count by their distance to. */
+typedef struct cells_around {
+	uint32_t cell[AROUND_COUNT], count;
+	double middle[3];
+} cells_around;
+
+/* The sums of points by which of two planes they are nearer to; of points on either side of the
+ * first one where the second one does not hold. */
+static void part_points(const flattening *f, const cells_around *around,
+						const cell_plane sheet[SHEETS], cell sum[SHEETS])
+{
+	for (uint32_t j = 0; j < around->count; j++)
+		for (size_t i = f->first[around->cell[j]]; i < f->first[around->cell[j] + 1]; i++) {
+			const double *p = f->place + 3 * (size_t)f->sorted[i].item;
+			double off = distance_off(&sheet[0], p), other = distance_off(&sheet[1], p);
+			bool second = sheet[1].holds ? fabs(other) < fabs(off) : off > 0.0;
+			cell own = { 0 };
+			add_point(&own, p);
+			add_weighted(&sum[second], &own, weight_at(squared(around->middle, p), f->reach));
+		}
+}
+
+/* Do planes lie as two sheets around a place, where one leaves so much? */
+static bool are_sheets(const cell_plane sheet[SHEETS], double left, const double place[3])
+{
+	const double *a = sheet[0].normal, *b = sheet[1].normal;
+	double cosine = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+	double apart =
+		distance_off(&sheet[0], place) - copysign(1.0, cosine) * distance_off(&sheet[1], place);
+	double most = fmax(sheet[0].left, sheet[1].left);
+	return most < left / SHEETS_LEAVE && fabs(cosine) > SHEETS_PARALLEL &&
+		   fabs(apart) > SHEETS_APART * most;
+}
+
+/* Puts two planes in place of that of a cell, if its points lie on two sheets. */
+static void split_plane(const flattening *f, size_t c)
+{
+	cell_plane *own = f->plane + SHEETS * c, sheet[SHEETS] = { *own, { .holds = false } };
+	cells_around around;
+	around.count = list_cells_around(f, c, AROUND, around.cell);
+	middle_of(&f->cell[c], around.middle);
+	for (int round = 0; round < SHEETS_ROUNDS; round++) {
+		cell sum[SHEETS] = { 0 };
+		part_points(f, &around, sheet, sum);
+		for (uint32_t i = 0; i < SHEETS; i++) {
+			if (sum[i].points < POINTS_LEAST)
+				return;
+			sheet[i] = plane_of(&sum[i]);
+			if (!sheet[i].holds)
+				return;
+		}
+	}
+	if (are_sheets(sheet, own->left, around.middle))
+		memcpy(own, sheet, sizeof sheet);
+}
+
+/* The planes of cells beside what planes leave elsewhere. */
+typedef struct sheet_work {
+	const flattening *f;
+	double left;
+} sheet_work;
+
+static void split_some(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const sheet_work *w = user;
+	(void)worker;
+	for (size_t c = first; c < last; c++)
+		if (w->f->plane[SHEETS * c].left > SHEETS_LEAVE * w->left)
+			split_plane(w->f, c);
+}
+
+/* Splits planes that leave more than those of single sheets do, of which there are some in any
+ * scene; and then lets none take more than noise. */
+static gw_status split_planes(flattening *f, gw_neighbours *search, gw_error *error)
+{
+	sheet_work work = { f, usually_left(f, SHEETS_SINGLE) };
+	GW_TRY(gw_neighbours_loop(search, f->cells, split_some, &work, error));
+	double usual = usually_left(f, 0.5);
+	for (size_t i = 0; i < SHEETS * f->cells; i++)
+		f->plane[i].most = FAR_OFF * fmin(f->plane[i].left, usual);
+	return GW_OK;
+}
+
 /* ------------------------------------------------------------------------------------ points */
 
 /* Planes that points of a cell may go to. */
 typedef struct planes_around {
-	const cell_plane *plane[AROUND_COUNT];
-	double middle[AROUND_COUNT][3]; /* of their cells */
+	const cell_plane *plane[SHEETS * AROUND_COUNT];
+	double middle[SHEETS * AROUND_COUNT][3]; /* of their cells */
 	uint32_t count;
 	double reach;
 	bool edge; /* runs across the cell */
@@ -355,19 +477,15 @@ typedef struct planes_around {
 /* Those of cells so many cells away at most. */
 static void list_planes(const flattening *f, size_t c, int most, planes_around *around)
 {
-	uint32_t at[3];
-	int way[3];
-	gw_morton_decode(f->key[c], at);
+	uint32_t found[AROUND_COUNT], count = list_cells_around(f, c, most, found);
 	around->count = 0;
-	for (way[2] = -most; way[2] <= most; way[2]++)
-		for (way[1] = -most; way[1] <= most; way[1]++)
-			for (way[0] = -most; way[0] <= most; way[0]++) {
-				uint32_t found = find_cell(f, at, way);
-				if (found == NO_CELL || !f->plane[found].holds)
-					continue;
-				middle_of(&f->cell[found], around->middle[around->count]);
-				around->plane[around->count++] = &f->plane[found];
-			}
+	for (uint32_t j = 0; j < SHEETS * count; j++) {
+		const cell_plane *plane = &f->plane[SHEETS * found[j / SHEETS] + j % SHEETS];
+		if (!plane->holds)
+			continue;
+		middle_of(&f->cell[found[j / SHEETS]], around->middle[around->count]);
+		around->plane[around->count++] = plane;
+	}
 }
 
 /* Does the plane of a cell leave more than one beside it does? */
@@ -382,7 +500,7 @@ static bool is_bent(const cell_plane *own, const planes_around *beside)
 static void look_around(const flattening *f, size_t c, planes_around *around)
 {
 	list_planes(f, c, BESIDE, around);
-	around->edge = is_bent(&f->plane[c], around);
+	around->edge = is_bent(&f->plane[SHEETS * c], around);
 	around->reach = around->edge ? EDGE_REACH * f->reach : f->reach;
 	if (around->edge)
 		list_planes(f, c, AROUND, around);
@@ -391,10 +509,8 @@ static void look_around(const flattening *f, size_t c, planes_around *around)
 /* How far a place is off a plane; infinity where that is too far for a place that lies on it. */
 static double off_plane(const cell_plane *p, const double *place)
 {
-	double off = -p->offset;
-	for (int k = 0; k < 3; k++)
-		off += p->normal[k] * place[k];
-	return fabs(off) > FAR_OFF * p->left ? INFINITY : off;
+	double off = distance_off(p, place);
+	return fabs(off) > p->most ? INFINITY : off;
 }
 
 /* The least that a plane leaves on which a place may lie. */
@@ -451,6 +567,9 @@ static gw_status flatten(flattening *f, gw_neighbours *search, double reach, gw_
 	f->noisy = found > 0.0;
 	for (int round = 0; round < ROUNDS && found > 0.0; round++) {
 		GW_TRY(make_planes(f, search, found, error));
+		f->noise = fmax(f->noise, usually_left(f, 0.5));
+		if (f->sparse)
+			GW_TRY(split_planes(f, search, error));
 		GW_TRY(gw_neighbours_loop(search, f->cells, settle_points, f, error));
 	}
 	return GW_OK;
@@ -515,17 +634,21 @@ static gw_status flatten_some(flattening *f, const gw_surfels *s, gw_neighbours 
 	return status;
 }
 
-gw_status gw_noisy_surface_flatten(const gw_noisy_points *points, double *position, size_t *moved,
+gw_status gw_noisy_surface_flatten(gw_noisy_points *points, double *position, size_t *moved,
 								   gw_error *error)
 {
 	const gw_surfels *s = points->surfels;
-	flattening f = { .some = points->some, .count = s->count, .threads = points->threads };
+	flattening f = { .some = points->some,
+					 .count = s->count,
+					 .threads = points->threads,
+					 .sparse = points->sparse };
 	double usual = usual_distance(s, points->search);
 	if (points->some)
 		f.count = points->count;
 	gw_status status = flatten_some(&f, s, points->search,
 									points->some ? usual : REACH_FIRST * usual, position, error);
 	*moved = f.moved_count;
+	points->noise = f.noise;
 	return status;
 }
 

@@ -163,10 +163,10 @@ static gw_status sort_points(const gw_surfels_options *options, sorted_points *p
 	return join_near_duplicates(options, p, surfels, error);
 }
 
-/* Layers are joined where the surface is thicker than this, until it is thinner than that, so many
- * times at most; what is not half as thick then is none in layers. Few points have none to lose.
- * Where it is thicker yet, noise is as large as points are apart (noisy_surface.h): below that,
- * planes that are wide enough for the noise take things apart that neighbours still show. */
+/* Noise is taken out where the surface is thicker than this, and where that does not help, layers
+ * are joined until it is thinner than that, so many times at most; what is not half as thick then
+ * is none in layers. Few points have none to lose. Where it is thicker yet, noise is as wide as
+ * points are apart (noisy_surface.h). */
 #define LAYERS_THICK 0.02
 #define NOISE_THICK 0.05
 #define LAYERS_THIN 0.008
@@ -180,6 +180,7 @@ typedef struct thick_points {
 	gw_neighbours **search; /* is opened anew when they are moved */
 	gw_surfels *surfels;
 	double thickness;
+	double noise; /* metres: what was taken out of all places */
 } thick_points;
 
 static gw_status open_anew(thick_points *t, gw_error *error)
@@ -208,16 +209,22 @@ static gw_status join_often(thick_points *t, gw_error *error)
 
 static gw_status flatten_noise(thick_points *t, gw_error *error)
 {
-	const gw_noisy_points all = { t->surfels, *t->search, t->options->threads, NULL, 0 };
+	gw_noisy_points all = { .surfels = t->surfels,
+							.search = *t->search,
+							.threads = t->options->threads,
+							.sparse = t->thickness <= NOISE_THICK };
 	size_t moved;
 	GW_TRY(gw_noisy_surface_flatten(&all, t->p->position, &moved, error));
+	t->noise = all.noise;
 	return moved > 0 ? open_anew(t, error) : GW_OK;
 }
 
 /* Of points that are crowded alone. */
 static gw_status flatten_crowded(thick_points *t, gw_error *error)
 {
-	gw_noisy_points crowded = { t->surfels, *t->search, t->options->threads, NULL, 0 };
+	gw_noisy_points crowded = { .surfels = t->surfels,
+								.search = *t->search,
+								.threads = t->options->threads };
 	size_t moved = 0;
 	double *old;
 	gw_status status = gw_crowded_points_find(&crowded, error);
@@ -244,6 +251,7 @@ static gw_status try_way(gw_status (*way)(thick_points *, gw_error *), thick_poi
 	free(t->p->position);
 	t->p->position = old;
 	t->p->rest.position = places;
+	t->noise = 0.0;
 	return open_anew(t, error);
 }
 
@@ -254,12 +262,21 @@ static gw_status thin_surface(sorted_points *p, const gw_surfels_options *option
 	if (options->choose || p->by_grid || surfels->normals_given > 0 || p->all->own_area ||
 		p->all->beam_share || surfels->count < LAYERS_POINTS)
 		return GW_OK;
-	thick_points t = { p, options, search, surfels, gw_surface_thickness(surfels, *search) };
-	if (t.thickness > NOISE_THICK)
+	thick_points t = { .p = p,
+					   .options = options,
+					   .search = search,
+					   .surfels = surfels,
+					   .thickness = gw_surface_thickness(surfels, *search) };
+	const double before = t.thickness;
+	if (before > LAYERS_THICK)
 		GW_TRY(try_way(flatten_noise, &t, error));
-	else
+	if (before <= NOISE_THICK && t.thickness >= before)
 		GW_TRY(flatten_crowded(&t, error));
-	return t.thickness > LAYERS_THICK ? try_way(join_often, &t, error) : GW_OK;
+	double noise = t.noise;
+	if (t.thickness > LAYERS_THICK)
+		GW_TRY(try_way(join_often, &t, error));
+	surfels->noise_taken = (float)noise;
+	return GW_OK;
 }
 
 /* search is opened anew when the points are moved. */

@@ -462,6 +462,43 @@ static void corners_stay_in_noise(void **state)
 }
 
 /*
+ * A floor, and apart from it both faces of a wall as thin as two and a half spacings, with a
+ * quarter of a spacing as noise: planes of some neighbours take in points of either face. Of a
+ * face's own hundred points within reach of a plane a tenth of the noise is left, and a tenth of a
+ * spacing is four times that. One in twenty is at the faces' rims, where planes are of one side
+ * alone.
+ */
+static void thin_walls_keep_two_faces(void **state)
+{
+	(void)state;
+	const double apart = 0.04, noise = 0.01, wall = 0.1;
+	cloud c = make_cloud(30000, false);
+	for (size_t i = 0; i < c.count; i++) {
+		double along = 100 * apart * uniform(), across = 100 * apart * uniform();
+		double height = i % 3 ? 4 + (i % 3 == 1 ? 0 : wall) : 0;
+		set_point(&c, i, along, across, height + noise * gaussian());
+	}
+	gw_surfels s = make(&c);
+	double own = 0.0, level = 0.0, known = 0.0;
+	for (size_t i = 0; i < c.count; i++) {
+		uint32_t surfel = s.surfel_of_point[i];
+		if (i % 3 == 0 || surfel == UINT32_MAX)
+			continue;
+		double z = (double)s.position[3 * surfel + 2] + s.origin[2] - 4;
+		known += 1.0;
+		own += fabs(z - (i % 3 == 1 ? 0 : wall)) < apart / 10;
+		level += fabs((double)s.normal[3 * surfel + 2]) > cos(20 * PI / 180);
+	}
+	print_message("%zu surfels; of %.0f points of a thin wall %.1f %% lie on their face, %.1f %% "
+				  "within 20 degrees\n",
+				  s.count, known, 100 * own / known, 100 * level / known);
+	assert_true(s.count > 0.95 * (double)c.count && own > 0.95 * known && level > 0.95 * known);
+	assert_sane(&s);
+	gw_surfels_clear(&s);
+	clear_cloud(&c);
+}
+
+/*
  * A ceiling above a scanner, in rings that are two thirds farther from each other than the points
  * of the outermost, with a fifth of that as noise, which is twenty times as far as the innermost
  * points are apart: any neighbours of these lay on a ribbon of noise that hangs down. Now 60 of
@@ -513,7 +550,7 @@ static void trees_are_no_noise(void **state)
 	size_t moved = 1;
 	assert_non_null(position);
 	assert_int_equal(gw_neighbours_open(&s, &options, &search, &error), GW_OK);
-	const gw_noisy_points all = { &s, search, 1, NULL, 0 };
+	gw_noisy_points all = { .surfels = &s, .search = search, .threads = 1 };
 	assert_int_equal(gw_noisy_surface_flatten(&all, position, &moved, &error), GW_OK);
 	assert_int_equal(moved, 0);
 	gw_neighbours_close(search);
@@ -1701,8 +1738,8 @@ static void errors_of_normals_are_known(void **state)
 static void errors_of_estimated_normals_are_known(void **state)
 {
 	(void)state;
-	const double noise[3] = { 0, 0.1, 0.3 };
-	for (int t = 0; t < 3; t++) {
+	const double noise[4] = { 0, 0.1, 0.3, 0.5 };
+	for (int t = 0; t < 4; t++) {
 		cloud c = make_box(20000, true, noise[t], 0);
 		float *truth = c.normal;
 		c.normal = NULL;
@@ -2526,6 +2563,7 @@ int main(void)
 		cmocka_unit_test(near_duplicates_become_one),
 		cmocka_unit_test(noise_is_flattened),
 		cmocka_unit_test(corners_stay_in_noise),
+		cmocka_unit_test(thin_walls_keep_two_faces),
 		cmocka_unit_test(innermost_rings_are_level),
 		cmocka_unit_test(trees_are_no_noise),
 		cmocka_unit_test(layers_become_one),
