@@ -87,6 +87,9 @@
  * are nearer to. They are two sheets, of a plane each, if these are about parallel and further
  * apart than so many times what either leaves. And points go to no plane that is further off than
  * noise is (FAR_OFF).
+ * Six times was chosen by carried scans of rooms and a corridor with 40,000 points: by four, walls
+ * that drift has put twice are two, and the corridor is half as much off again; by eight, rooms are
+ * a little more off. The other numbers were not varied.
  */
 #define SHEETS 2u
 #define SHEETS_SINGLE 0.1

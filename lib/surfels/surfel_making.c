@@ -272,7 +272,7 @@ static gw_status thin_surface(sorted_points *p, const gw_surfels_options *option
 		GW_TRY(try_way(flatten_noise, &t, error));
 	if (before <= NOISE_THICK && t.thickness >= before)
 		GW_TRY(flatten_crowded(&t, error));
-	double noise = t.noise;
+	const double noise = t.noise; /* stays out whether layers can be joined or not */
 	if (t.thickness > LAYERS_THICK)
 		GW_TRY(try_way(join_often, &t, error));
 	surfels->noise_taken = (float)noise;
