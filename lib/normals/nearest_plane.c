@@ -80,3 +80,74 @@ gw_plane gw_nearest_plane(const float *point, size_t count, float apart, float p
 		memcpy(plane, own, sizeof own);
 	return found;
 }
+
+/* So much wider than a line are those that count, in squares; across a line of points noise makes a
+ * plane that leaves nothing. */
+#define NEAR_LINE_RATIO 0.15
+
+/* Three numbers of a plane are fitted to so many points of equal weight. */
+#define PLANE_NUMBERS 3.0
+
+/* Sums over weighted points, about their mean once that is taken off. */
+typedef struct weighted_sums {
+	double weight, squared_weight, mean[3], covariance[6];
+} weighted_sums;
+
+static double nearness(const float *p)
+{
+	double squared = (double)(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
+	double left = fmax(1 - squared, 0);
+	return left * left * left;
+}
+
+static void sum_by_nearness(const float *point, size_t count, weighted_sums *sums)
+{
+	double *c = sums->covariance, *m = sums->mean;
+	memset(sums, 0, sizeof *sums);
+	for (size_t i = 0; i < count; i++) {
+		const float *p = point + 3 * i;
+		double w = nearness(p), x = (double)p[0], y = (double)p[1], z = (double)p[2];
+		sums->weight += w;
+		sums->squared_weight += w * w;
+		m[0] += w * x, m[1] += w * y, m[2] += w * z;
+		c[0] += w * x * x, c[1] += w * x * y, c[2] += w * x * z;
+		c[3] += w * y * y, c[4] += w * y * z, c[5] += w * z * z;
+	}
+	for (int k = 0; k < 3; k++)
+		m[k] /= sums->weight;
+	for (int k = 0, at = 0; k < 3; k++)
+		for (int l = k; l < 3; l++, at++)
+			c[at] = c[at] / sums->weight - m[k] * m[l];
+}
+
+/* The two greater eigenvalues of a covariance whose least is known: whether the lesser of them is
+ * more than a share of the greater. */
+static bool is_wider(const double c[6], double least, double share)
+{
+	double both = c[0] + c[3] + c[5] - least;
+	double minors =
+		c[0] * c[3] - c[1] * c[1] + c[0] * c[5] - c[2] * c[2] + c[3] * c[5] - c[4] * c[4];
+	double half = 0.5 * both, root = sqrt(fmax(half * half - (minors - least * both), 0));
+	return half - root > share * (half + root);
+}
+
+/* Of the variance that was there, what is left beside a plane of so many points, on the average. */
+static double left_over(double points)
+{
+	return fmax(1 - PLANE_NUMBERS / points, 0.1);
+}
+
+bool gw_plane_by_nearness(const float *point, size_t count, double spread, float plane[4])
+{
+	weighted_sums sums;
+	double normal[3], least;
+	sum_by_nearness(point, count, &sums);
+	if (!gw_plane_of_covariance(sums.covariance, normal, &least) ||
+		!is_wider(sums.covariance, least, NEAR_LINE_RATIO))
+		return false;
+	double points = sums.weight * sums.weight / sums.squared_weight;
+	for (int k = 0; k < 3; k++)
+		plane[k] = (float)normal[k];
+	plane[3] = (float)(fmax(least, 0) / spread * left_over((double)count) / left_over(points));
+	return true;
+}

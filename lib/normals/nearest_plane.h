@@ -35,4 +35,16 @@ bool gw_plane_is_spanned(const float *point, size_t count, const float normal[3]
  */
 gw_plane gw_nearest_plane(const float *point, size_t count, float apart, float plane[4]);
 
+/*
+ * The plane through points in which the nearer ones count more, (1 - r^2)^3 at a distance r: over a
+ * crease or on rough rock it is nearer to the surface at the first point than that of all alike
+ * (weights as of moving least squares, Levin 1998), on a noisy plane it is further off.
+ *   point   3 * count, the first one at 0, none further off than about 1
+ *   spread  variance of all of them alike, along three axes together, above 0
+ *   plane   receives its normal, and the variance that is left across it as a share of `spread`:
+ *           on a noisy plane as much as that of all alike leaves of theirs, on the average
+ * Returns false where there is none, or the points that count lie along a line.
+ */
+bool gw_plane_by_nearness(const float *point, size_t count, double spread, float plane[4]);
+
 #endif

@@ -143,16 +143,28 @@ static float agree(const float *p, const float *n, const float *q, const float *
 	return (cosine - 2 * a * b / length) * fmaxf(1 - across, 0);
 }
 
+static bool emits(const gw_surfels *s, size_t surfel)
+{
+	return s->emission && gw_luminance(s->emission + 3 * surfel) > 0;
+}
+
+/* What a pair says, in 1 / GW_AGREED. Of a lamp's side it says nothing but where the lamp is a part
+ * of smooth surface, as a screen is: one that hangs below a ceiling is no side of a plate. */
+static int8_t pair_says(const gw_surfels *s, size_t surfel, size_t other)
+{
+	float both = agree(s->position + 3 * surfel, s->normal + 3 * surfel, s->position + 3 * other,
+					   s->normal + 3 * other);
+	long says = lrintf(GW_AGREED * fminf(fmaxf(both, -1), 1));
+	return labs(says) < SMOOTH && emits(s, surfel) != emits(s, other) ? 0 : (int8_t)says;
+}
+
 static void find_pairs(void *user, size_t surfel, const gw_neighbour_list *list)
 {
 	orientation_work *w = user;
-	const float *position = w->surfels->position, *normal = w->surfels->normal;
 	for (uint32_t j = 0; j < GW_NEIGHBOURS; j++) {
 		size_t other = j < list->count ? list->index[j] : surfel, at = GW_NEIGHBOURS * surfel + j;
-		float both = agree(position + 3 * surfel, normal + 3 * surfel, position + 3 * other,
-						   normal + 3 * other);
 		w->near[at] = (uint32_t)other;
-		w->agreement[at] = (int8_t)lrintf(GW_AGREED * fminf(fmaxf(both, -1), 1));
+		w->agreement[at] = pair_says(w->surfels, surfel, other);
 	}
 	/* The circle to the last neighbour holds them all, if they lie on one surface. */
 	float reach = list->count ? list->distance[list->count - 1] : 0;
@@ -625,7 +637,7 @@ static void sum_emitting(orientation_work *w)
 	for (size_t i = 0; i < s->count; i++) {
 		patch_group *g = w->now.groups + w->group[w->patch[i]];
 		g->area += (double)w->area[i];
-		g->emitting += gw_luminance(s->emission + 3 * i) > 0 ? (double)w->area[i] : 0.0;
+		g->emitting += emits(s, i) ? (double)w->area[i] : 0.0;
 	}
 }
 

@@ -41,9 +41,17 @@
 #define AGREEMENT_SURE 0.9f
 #define AGREEMENT_LEAST 8.0f
 
+/* Where planes in which nearer neighbours count more leave less than this of what those of all
+ * alike leave, on the average of a neighbourhood, surface bends there more than it is noisy. They
+ * leave as much on a noisy plane. Of caves and rooms with noise and without, bent surface is nearer
+ * by them below this, flat surface further off above it (measured). */
+#define NEAR_SHARE 0.8f
+
 /* A neighbour's plane is taken when it leaves less than this of what the own plane leaves: noise
- * alone, whose squares over 14 degrees of freedom vary by 0.38, rarely does. */
-#define BETTER_PLANE 0.15f
+ * alone, whose squares over 14 degrees of freedom vary by 0.38, rarely does. With twice this, rough
+ * rock takes planes of one flank on its ridges; with half of it, noisy creases are planed off
+ * (measured). */
+#define BETTER_PLANE 0.08f
 #define PLANE_ROUNDS 2
 
 /* Neighbours are a strip when their lesser extent in their plane has this share of the greater
@@ -80,6 +88,7 @@ typedef struct normal_step {
 	uint8_t *next;        /* count, state after the vote */
 	float *plane;         /* 4 * count: normal, and what of its neighbours' spread it leaves */
 	float *better;        /* 4 * count, planes after a round of choosing */
+	float *near;          /* 4 * count, planes in which the nearer count more, as `plane` */
 	float *thin;          /* count, m^2: own_area of leaves and wires, else 0; NULL: nobody knows */
 	float *few;           /* 4 * count or NULL, planes of the nearest few, as `plane` where even */
 } normal_step;
@@ -202,6 +211,28 @@ static void fit_few(normal_step *step, const float *point, size_t count, float a
 		gw_neighbours_run_short(step->search);
 }
 
+/* What points spread about their mean, along three axes together. */
+static double spread_of(const float *point, size_t count)
+{
+	double sum[3] = { 0, 0, 0 }, squares = 0, n = (double)count;
+	for (size_t i = 0; i < 3 * count; i++) {
+		sum[i % 3] += (double)point[i];
+		squares += (double)point[i] * (double)point[i];
+	}
+	return squares / n - (sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]) / (n * n);
+}
+
+/* The plane in which nearer neighbours count more; that of all alike where there is none. */
+static void fit_near(const normal_step *step, size_t surfel, const float *point, size_t count)
+{
+	const float *plane = step->plane + 4 * surfel;
+	float *near = step->near + 4 * surfel;
+	double spread = spread_of(point, count);
+	bool taken = plane[3] < INFINITY && !(step->state[surfel] & STRIP) && spread > 0;
+	if (!taken || !gw_plane_by_nearness(point, count, spread, near))
+		memcpy(near, plane, 4 * sizeof *near);
+}
+
 static void estimate_normal(void *user, size_t surfel, const gw_neighbour_list *list)
 {
 	normal_step *step = user;
@@ -210,6 +241,7 @@ static void estimate_normal(void *user, size_t surfel, const gw_neighbour_list *
 	double way[3];
 	memcpy(plane, normal, 3 * sizeof *plane);
 	plane[3] = INFINITY;
+	memcpy(step->near + 4 * surfel, plane, 4 * sizeof *plane);
 	if (normal[0] != 0 || normal[1] != 0 || normal[2] != 0)
 		return;
 	size_t count = gw_places_around(step->surfels, surfel, list, point);
@@ -222,10 +254,37 @@ static void estimate_normal(void *user, size_t surfel, const gw_neighbour_list *
 	}
 	if (list->in_rows && !gw_plane_is_spanned(point, count, plane, STRIP_RATIO))
 		step->state[surfel] |= STRIP;
+	fit_near(step, surfel, point, count);
 	if (step->few && step->thin[surfel] > 0 && plane[3] > GW_PLANE_UNEVEN && plane[3] < INFINITY) {
 		float apart = FEW_APART * sqrtf(step->thin[surfel]) / list->distance[list->count - 1];
 		fit_few(step, point, count, apart, step->few + 4 * surfel);
 	}
+}
+
+/* Which of both planes is the surfel's own, by those of its neighbours too. */
+static void judge_near(void *user, size_t surfel, const gw_neighbour_list *list)
+{
+	normal_step *step = user;
+	float of_near = 0, of_all = 0;
+	for (uint32_t j = 0; j <= list->count; j++) {
+		size_t other = j < list->count ? list->index[j] : surfel;
+		if (step->plane[4 * other + 3] < INFINITY) {
+			of_near += step->near[4 * other + 3];
+			of_all += step->plane[4 * other + 3];
+		}
+	}
+	const float *own = of_near < NEAR_SHARE * of_all ? step->near : step->plane;
+	memcpy(step->better + 4 * surfel, own + 4 * surfel, 4 * sizeof *own);
+}
+
+/* Planes in which nearer neighbours count more, where these are better. */
+static gw_status take_near(normal_step *step, gw_error *error)
+{
+	GW_TRY(gw_neighbours_visit_reach(step->search, judge_near, step, error));
+	float *swap = step->plane;
+	step->plane = step->better;
+	step->better = swap;
+	return GW_OK;
 }
 
 /* Whether the neighbours of a surfel show that they lie on several surfaces, and few on one. Where
@@ -271,8 +330,10 @@ static gw_status take_few(normal_step *step, gw_error *error)
 		return GW_OK;
 	GW_TRY(gw_neighbours_visit_reach(step->search, judge_few, step, error));
 	for (size_t i = 0; i < step->surfels->count; i++)
-		if (step->state[i] & OF_FEW && is_seen(step, i))
+		if (step->state[i] & OF_FEW && is_seen(step, i)) {
 			memcpy(step->plane + 4 * i, step->few + 4 * i, 4 * sizeof *step->few);
+			memcpy(step->near + 4 * i, step->few + 4 * i, 4 * sizeof *step->few);
+		}
 	return GW_OK;
 }
 
@@ -476,11 +537,12 @@ static gw_status complete(normal_step *step, const gw_points *points,
 						  const gw_surfels_options *options, gw_error *error)
 {
 	const gw_surfels *surfels = step->surfels;
-	if (!step->state || !step->next || !step->plane || !step->better ||
+	if (!step->state || !step->next || !step->plane || !step->better || !step->near ||
 		!find_scanners(step, points) || !find_thin(step, points))
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory to estimate %zu normals", surfels->count);
 	GW_TRY(gw_neighbours_visit_reach(step->search, estimate_normal, step, error));
 	GW_TRY(take_few(step, error));
+	GW_TRY(take_near(step, error));
 	GW_TRY(choose_planes(step, error));
 	set_normals(step);
 	if (has_state(step, UNSURE)) {
@@ -502,11 +564,13 @@ static gw_status complete_all(const gw_points *points, const gw_surfels_options 
 	step.next = gw_allocate_zeros(count, sizeof *step.next);
 	step.plane = gw_allocate_array(count, 4 * sizeof *step.plane);
 	step.better = gw_allocate_array(count, 4 * sizeof *step.better);
+	step.near = gw_allocate_array(count, 4 * sizeof *step.near);
 	gw_status status = complete(&step, points, options, error);
 	free(step.state);
 	free(step.next);
 	free(step.plane);
 	free(step.better);
+	free(step.near);
 	free(step.thin);
 	free(step.few);
 	free(step.scanner);

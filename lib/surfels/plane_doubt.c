@@ -27,25 +27,32 @@ static float how_random(const float n[3], const float m[3])
 	return (float)fmin(angle * angle / AT_RANDOM, 1.0);
 }
 
-/* Where all lie near one plane, it is theirs. Where the nearest few have none, nothing says that
- * there is one. */
+/* How far the plane of the nearest few is from that of all alike. Where there is none, nothing says
+ * that there is one. */
+static float doubt_of(const float *point, size_t count, gw_neighbours *search)
+{
+	float few[4], all[4];
+	gw_plane of_few = gw_nearest_plane(point, count, INFINITY, few);
+	gw_plane of_all = gw_plane_normal(point, count, all, all + 3);
+	if (of_few == GW_PLANE_NO_MEMORY || of_all == GW_PLANE_NO_MEMORY)
+		gw_neighbours_run_short(search);
+	return of_few == GW_PLANE_FOUND && of_all == GW_PLANE_FOUND ? how_random(all, few) : 1.0f;
+}
+
+/* Where all lie near one plane, it is theirs. */
 static void measure(void *user, size_t surfel, const gw_neighbour_list *list)
 {
 	const doubt_step *step = user;
 	const gw_surfels *s = step->surfels;
 	const float *at = s->position + 3 * surfel;
 	const double place[3] = { (double)at[0], (double)at[1], (double)at[2] };
-	float point[3 * (GW_NEIGHBOURS + 1)], plane[4];
+	float point[3 * (GW_NEIGHBOURS + 1)];
 	bool estimated = step->all || s->shading_normal_off[surfel] > 0.0f;
 	if (!estimated || list->count < GW_NEIGHBOURS ||
 		!(gw_filled_space_thickness(s, place, list) > (double)GW_PLANE_UNEVEN))
 		return;
 	size_t count = gw_places_around(s, surfel, list, point);
-	gw_plane found = gw_nearest_plane(point, count, INFINITY, plane);
-	if (found == GW_PLANE_NO_MEMORY)
-		gw_neighbours_run_short(step->search);
-	step->single[surfel] =
-		found == GW_PLANE_FOUND ? how_random(s->normal + 3 * surfel, plane) : 1.0f;
+	step->single[surfel] = doubt_of(point, count, step->search);
 }
 
 static void average(void *user, size_t surfel, const gw_neighbour_list *list)

@@ -65,19 +65,22 @@ static void check_stages(const gw_report *r, double bake_seconds)
 	assert_true(sum <= bake_seconds);
 }
 
-/* A little noise, and no normals: no ray tells that what it meets is no wall, nor
- * that normals are off by which light is gathered. */
+/* A little noise, and no normals: no ray tells that what it meets is no wall, nor that normals are
+ * off by which light is gathered. The lamp hangs 20 cm below the ceiling: of half of the points,
+ * 7 cm apart, it is not told from a ceiling that is nearer. */
 static void noise_is_stated(void **state)
 {
 	(void)state;
 	const gw_bake_options options = gw_bake_options_default();
 	scene s = { 0 };
 	make_room(&s);
+	for (size_t i = 0; i < s.count; i++)
+		s.position[3 * i + 2] -= s.emission[3 * i] > 0.0f ? 0.1 : 0.0;
 	gw_points points = scene_points(&s);
 	gw_bake_result *truth = scene_bake(&points, NULL, 0, &options);
 	uint64_t seed = 3;
 	for (size_t i = 0; i < 3 * s.count; i++)
-		s.position[i] += 0.004 * random_normal(&seed);
+		s.position[i] += 0.01 * random_normal(&seed);
 	points.normal = NULL;
 	double start = gw_seconds();
 	gw_bake_result *result = scene_bake(&points, NULL, 0, &options);

@@ -649,8 +649,21 @@ static cloud *new_panel(double height, double side)
 	return c;
 }
 
+/* A room with a panel two spacings below its ceiling. */
+static cloud *new_lit_room(void)
+{
+	const double panel[2][3] = { { 1.5, 1.5, 2.35 }, { 3, 3, 2.35 } };
+	cloud *c = new_cloud();
+	add_room(c, false);
+	size_t first = c->count;
+	add_face(c, 405, &(face){ panel[0], panel[1], 2, -1, false });
+	let_emit(c, first);
+	return c;
+}
+
 /* Lamps that are made of points light what is there, and nothing is black: not the bare ground
- * below a panel, nor a ceiling above glowing ground, nor a street before a sign on a wall. */
+ * below a panel, nor a ceiling above glowing ground, nor a room below its panel, nor a street
+ * before a sign on a wall. */
 static void test_lamps_of_points(void **state)
 {
 	(void)state;
@@ -667,6 +680,9 @@ static void test_lamps_of_points(void **state)
 	add_ball(c, 2000, centre, 0.3, 1);
 	let_emit(c, first);
 	assert_right(c, NULL, "a bulb over bare ground");
+	free(c);
+	c = new_lit_room();
+	assert_right(c, NULL, "a panel below a ceiling");
 	free(c);
 	const double street[2][3] = { { 0 }, { 10, 6, 0 } }, wall[2][3] = { { 0 }, { 10, 0, 6 } };
 	const double sign[2][3] = { { 3, 0.15, 3 }, { 6, 0.15, 4 } };
