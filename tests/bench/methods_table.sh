@@ -6,7 +6,7 @@
 #
 # SCENE is a kind that make_truth knows; without one, cornell, rooms, corridor and cave.
 # Environment: GLOWWORM (build/glowworm), MAKE_TRUTH (build/tests/bench/make_truth), POINTS
-# (100000).
+# (100000), TRUTH, how many of them have one (10000), PATHS of each (4096).
 #
 # Columns: the scene; the options; relRMSE of the radiance against the truth, without that of the
 # truth; relRMSE of the best 99 %, with it; bias and the error that the bake states, percent;
@@ -55,7 +55,8 @@ echo '| scene | options | relRMSE | best 99 % | bias | stated | processor s | MB
 echo '|---|---|---|---|---|---|---|---|'
 [ $# -gt 0 ] || set -- cornell rooms corridor cave
 for scene in "$@"; do
-	"$make_truth" "$scene" -o "$scene" -n "${POINTS:-100000}" >/dev/null 2>&1
+	"$make_truth" "$scene" -o "$scene" -n "${POINTS:-100000}" -t "${TRUTH:-10000}" \
+		-p "${PATHS:-4096}" >/dev/null 2>&1
 	echo "$settings" | while read -r options; do
 		# shellcheck disable=SC2086
 		[ -z "$options" ] || row "$scene" $options
