@@ -548,12 +548,14 @@ static bool is_closed(const gw_side_view *side)
 
 /* Does a lamp stand within a group? It shows nothing else then. That is so where surface lies all
  * around, or more of it than around what a sky would choose, which gets next to none of the light:
- * scanned rooms have windows, and gaps where nobody looked. */
+ * scanned rooms have windows, and gaps where nobody looked. Where the sky cannot tell, it is enough
+ * that clearly less of the light gets there: half of a room that lacks a wall would pass. */
 static bool is_lit_within(const orientation_work *w, size_t group)
 {
-	const gw_side_view *front = w->now.groups[group].light.side;
-	const gw_side_view *sky_front = w->by_sky.groups[group].light.side;
-	return is_closed(front) || (front->met > sky_front->met && front->lit > SURE * sky_front->lit);
+	const patch_group *sky = w->by_sky.groups + group;
+	const gw_side_view *front = w->now.groups[group].light.side, *sky_front = sky->light.side;
+	double times = sky->doubtful ? CLEAR : SURE;
+	return is_closed(front) || (front->met > sky_front->met && front->lit > times * sky_front->lit);
 }
 
 /* Takes the sky's choice for the groups that go by it. Of the others, patches that the sky chooses

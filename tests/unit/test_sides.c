@@ -697,6 +697,31 @@ static void test_lamps_of_points(void **state)
 	free(c);
 }
 
+/* A tall room without a wall: a sky cannot tell which side of it is the front. Of a panel under the
+ * ceiling and a smaller one over the roof more falls on the inside, which is shown alone; of equal
+ * ones it does not, and both sides are. */
+static void test_panel_in_open_room(void **state)
+{
+	(void)state;
+	const double room[2][3] = { { 0 }, { 3, 3, 6 } };
+	const double low[3] = { 1, 1, 5.4 }, high[3] = { 2, 2, 5.4 };
+	for (int large = 0; large < 2; large++) {
+		const double half = large ? 0.5 : 0.3;
+		const double from[3] = { 1.5 - half, 1.5 - half, 6.4 };
+		const double to[3] = { 1.5 + half, 1.5 + half, 6.4 };
+		uint64_t untrusted;
+		cloud *c = new_cloud();
+		add_box(c, 200, room, 2, -1);
+		size_t first = c->count;
+		add_face(c, 200, &(face){ low, high, 2, -1, false });
+		add_face(c, (size_t)(800 * half * half), &(face){ from, to, 2, -1, false });
+		let_emit(c, first);
+		assert_true(right_share(c, NULL, false, &untrusted) > 0.995);
+		assert_int_equal(untrusted, large ? first : 0);
+		free(c);
+	}
+}
+
 /* A sheet that stands in the open is as bright on both sides, and nobody can say which is right. */
 static void test_sheet_is_doubtful(void **state)
 {
@@ -1113,6 +1138,7 @@ int main(void)
 		cmocka_unit_test(test_wide_underside),
 		cmocka_unit_test(test_wide_hall),
 		cmocka_unit_test(test_lamps_of_points),
+		cmocka_unit_test(test_panel_in_open_room),
 		cmocka_unit_test(test_sheet_is_doubtful),
 		cmocka_unit_test(test_backs),
 		cmocka_unit_test(test_up),
