@@ -86,6 +86,7 @@ typedef struct blocker {
 typedef struct place {
 	uint32_t patch;
 	float area; /* that it stands for, m^2 */
+	bool emits;
 	gw_disc disc;
 	double direct[2]; /* irradiance on either side, luminance: of lamps and sun */
 	bool shone[2];    /* by lamps, which have a place, or by what emits */
@@ -96,8 +97,9 @@ typedef struct place {
 	double path[2];      /* sum of the logarithms of the rays' lengths, to what they meet */
 	double dark_path[2]; /* sum of the lengths of those that end where nothing emits, metres */
 	uint32_t met[2], down[2], down_met[2]; /* rays */
-	float log_length[2][RAYS];             /* of rays that meet a disc */
-	uint32_t end[2][RAYS];                 /* 2 * disc + side, TO_SKY or TO_DARK */
+	uint32_t own[2];           /* bits of rays that end on the emitting surface that they leave */
+	float log_length[2][RAYS]; /* of rays that meet a disc */
+	uint32_t end[2][RAYS];     /* 2 * disc + side, TO_SKY or TO_DARK */
 } place;
 
 typedef struct side_work {
@@ -144,6 +146,11 @@ typedef struct passed {
 	uint32_t *size;       /* of a patch, surfels */
 } passed;
 
+static bool emits(const gw_surfels *s, size_t surfel)
+{
+	return s->emission && gw_luminance(s->emission + 3 * surfel) > 0.0;
+}
+
 /* A place for every so much area of a patch, and one at least. */
 static void choose_place(side_work *w, passed *so_far, size_t surfel, double every)
 {
@@ -156,8 +163,9 @@ static void choose_place(side_work *w, passed *so_far, size_t surfel, double eve
 	if (first || *area >= every) {
 		so_far->last_place[patch] = (uint32_t)w->place_count;
 		if (w->places)
-			w->places[w->place_count] =
-				(place){ .patch = patch, .disc = make_disc(w, surfel, 0.0) };
+			w->places[w->place_count] = (place){ .patch = patch,
+												 .emits = emits(w->surfels, surfel),
+												 .disc = make_disc(w, surfel, 0.0) };
 		w->place_count++;
 		*area = 0.0;
 	}
@@ -316,6 +324,14 @@ static gw_vec3 ray_direction(const gw_disc *disc, uint32_t ray, size_t number, b
 					  x * t[2] + y * b[2] + z * normal[2] };
 }
 
+/* Does the ray of a place that emits end where that emits, too, no higher above its plane than the
+ * disc there is wide? Noisy surface sees itself from either side, which tells nothing. */
+static bool is_own(const side_work *w, const place *p, size_t disc, gw_vec3 way)
+{
+	return p->emits && w->blocks[disc].radiance > 0.0f &&
+		   fabsf(gw_dot(way, p->disc.normal)) < w->disc[disc].radius;
+}
+
 static void shoot(const side_work *w, place *p, size_t number, bool back)
 {
 	for (uint32_t ray = 0; ray < RAYS; ray++) {
@@ -331,6 +347,7 @@ static void shoot(const side_work *w, place *p, size_t number, bool back)
 		}
 		bool from_behind = gw_dot(w->disc[disc].normal, from.direction) > 0.0f;
 		p->end[back][ray] = 2 * disc + from_behind;
+		p->own[back] |= (uint32_t)is_own(w, p, disc, gw_times(from.direction, length)) << ray;
 		p->log_length[back][ray] = logf(length);
 		p->path[back] += log((double)length);
 		p->dark_path[back] += w->blocks[disc].radiance > 0.0f ? 0.0 : (double)length;
@@ -366,14 +383,14 @@ static gw_status look_around_all(side_work *w, gw_error *error)
 
 /* ---------------------------------------------------------------------------------- reflections */
 
-/* pi times the radiance at the end of a ray, by what is known so far; `below` of what comes from
- * below the horizon. */
-static double light_from(const side_work *w, uint32_t end, double below)
+/* pi times the radiance at the end of a ray, by what is known so far, but for what its own surface
+ * emits; `below` of what comes from below the horizon. */
+static double light_from(const side_work *w, uint32_t end, bool own, double below)
 {
 	if (end == TO_DARK || end == TO_SKY)
 		return M_PI * (end == TO_SKY ? w->sky + w->ambient : below);
 	const blocker *b = w->blocks + end / 2;
-	double light = M_PI * (double)b->radiance;
+	double light = own ? 0.0 : M_PI * (double)b->radiance;
 	return b->place == GW_NONE ? light : light + ALBEDO * w->places[b->place].total[end % 2];
 }
 
@@ -382,7 +399,7 @@ static void gather(const side_work *w, place *p, double below, double to[2])
 	for (int side = 0; side < 2; side++) {
 		double sum = 0.0;
 		for (uint32_t ray = 0; ray < RAYS; ray++)
-			sum += light_from(w, p->end[side][ray], below);
+			sum += light_from(w, p->end[side][ray], p->own[side] >> ray & 1, below);
 		to[side] = p->direct[side] + sum / RAYS;
 	}
 }

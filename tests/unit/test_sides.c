@@ -722,6 +722,37 @@ static void test_panel_in_open_room(void **state)
 	}
 }
 
+/* Each point goes so far at most along each axis. */
+static void scatter(cloud *c, double most)
+{
+	uint64_t random = 1;
+	for (size_t i = 0; i < 3 * c->count; i++)
+		c->position[i] += most * (2 * next_random(&random) - 1);
+}
+
+/* A room without a wall whose ceiling glows in the middle. Its points are so noisy that what glows
+ * sees itself from either side: that is no light on the roof. */
+static void test_noisy_glow_in_open_room(void **state)
+{
+	(void)state;
+	const double room[2][3] = { { 0 }, { 3, 3, 2.7 } };
+	for (int without = 0; without < 2; without++) {
+		cloud *c = new_cloud();
+		add_box(c, 200, room, without, -1);
+		for (size_t i = 0; i < c->count; i++) {
+			const double *p = c->position + 3 * i;
+			bool glows = p[2] == 2.7 && fabs(p[0] - 1.5) < 0.6 && fabs(p[1] - 1.5) < 0.6;
+			for (size_t k = 0; glows && k < 3; k++)
+				c->emission[3 * i + k] = 10;
+		}
+		scatter(c, 0.05);
+		assert_right(c, NULL, "a noisy room without a wall and with a glowing ceiling");
+		let_emit(c, 0);
+		assert_right(c, NULL, "a noisy room without a wall of which all glows");
+		free(c);
+	}
+}
+
 /* A sheet that stands in the open is as bright on both sides, and nobody can say which is right. */
 static void test_sheet_is_doubtful(void **state)
 {
@@ -1139,6 +1170,7 @@ int main(void)
 		cmocka_unit_test(test_wide_hall),
 		cmocka_unit_test(test_lamps_of_points),
 		cmocka_unit_test(test_panel_in_open_room),
+		cmocka_unit_test(test_noisy_glow_in_open_room),
 		cmocka_unit_test(test_sheet_is_doubtful),
 		cmocka_unit_test(test_backs),
 		cmocka_unit_test(test_up),
