@@ -720,7 +720,7 @@ const option options[] = {
 	  .help = "bytes that a bake may use, with K, M, G or T behind the number; auto is most of "
 			  "what is free. Where they do not hold all points, as many make the surface as "
 			  "fit; of binary PLY, LAS and LAZ baked to one of these or E57 the others are never "
-			  "all in memory" },
+			  "all in memory, and pictures show as many as fit" },
 	{ "surface-points", 0, "N", OPTION_COUNT, FOR(BAKE | PLAN), .scene = true,
 	  AT(bake.surface_points), RANGE(1.0, 1e9), AUTOMATIC(0.0), .group = "Machine",
 	  .help = "points that the surface is made of at most, thinned most where they are densest; "

@@ -19,6 +19,9 @@
 #define LASTING_BYTES 1270u
 #define LASTING_FIXED_BYTES (UINT64_C(264) << 20)
 
+/* Of the program and its driver where a cloud is only looked at. */
+#define LOOK_FIXED_BYTES (UINT64_C(64) << 20)
+
 #define KEPT_MOST ((uint64_t)1 << 30)
 
 /* Whether results can be written one part after the other: LAZ goes to files only, and rows of text
@@ -29,11 +32,10 @@ static bool can_be_written(const settings *s, const format *output)
 }
 
 /* Whether what is asked for needs no more than one point after the other. */
-static bool asks_for_points_alone(const settings *s, const format *output)
+static bool asks_for_points_alone(const settings *s)
 {
-	return can_be_written(s, output) && !s->vdb_points && !s->region && s->frame_count == 0 &&
-		   s->path_count == 0 && s->strays != SETTINGS_STRAYS_DROP &&
-		   s->points.albedo != SCAN_ALBEDO_INTENSITY;
+	return !s->vdb_points && !s->region && s->frame_count == 0 && s->path_count == 0 &&
+		   s->strays != SETTINGS_STRAYS_DROP && s->points.albedo != SCAN_ALBEDO_INTENSITY;
 }
 
 /* Whether one file has all points, as they are. */
@@ -83,12 +85,15 @@ static void share_memory(parted_cloud *parted, uint64_t memory)
 	parted->tile = (size_t)(all / 2);
 }
 
-/* Whether points of the file have normals; the first ones tell. */
-static gw_status find_normals(parted_cloud *parted, bool *found, gw_error *error)
+/* Whether points of the file have some columns; the first ones tell. */
+static gw_status find_columns(parted_cloud *parted, const char *const *name, size_t count,
+							  bool *found, gw_error *error)
 {
 	scan some;
 	GW_TRY(format_parts_read(&parted->file, 0, 1, &some, error));
-	*found = scan_find(&some, "nx") && scan_find(&some, "ny") && scan_find(&some, "nz");
+	*found = true;
+	for (size_t i = 0; i < count; i++)
+		*found = *found && scan_find_scalar(&some, name[i]) != NULL;
 	scan_clear(&some);
 	return GW_OK;
 }
@@ -96,12 +101,13 @@ static gw_status find_normals(parted_cloud *parted, bool *found, gw_error *error
 /* How many points are to be kept where all of them make the surface. */
 static gw_status choose_most(parted_cloud *parted, const settings *s, gw_error *error)
 {
+	static const char *const normal[3] = { "nx", "ny", "nz" };
 	uint64_t memory = memory_for(s), count = parted->file.count, fit;
 	bool normals, lamps = false;
 	/* Then nothing has to be read. */
 	if (!s->save_transport && gw_points_in_memory(memory, false, true, &s->bake) >= count)
 		return GW_OK;
-	GW_TRY(find_normals(parted, &normals, error));
+	GW_TRY(find_columns(parted, normal, 3, &normals, error));
 	for (size_t i = 0; i < s->light_count; i++)
 		lamps |= s->light[i].light.type != GW_LIGHT_ENVIRONMENT;
 	fit = s->save_transport ? lasting_points(memory)
@@ -117,28 +123,59 @@ static uint64_t whole_groups(const parted_cloud *parted, uint64_t part)
 	return part > together ? part / together * together : together;
 }
 
-gw_status parted_cloud_open(const settings *s, const format *output, const uint64_t *kept,
-							parted_cloud *parted, gw_error *error)
+/* Opens a file that can be read in parts; nothing is found where it cannot. */
+static gw_status open_file(const settings *s, parted_cloud *parted, gw_error *error)
 {
 	const format_options options = { s->format, s->columns, s->bake.threads };
-	*parted = (parted_cloud){ .most = 0 };
-	if (!asks_for_points_alone(s, output) || !is_one_file(s))
+	if (!asks_for_points_alone(s) || !is_one_file(s))
 		return GW_OK;
-	parted->format = output;
 	GW_TRY(format_parts_open(s->input[0].path, &options, &parted->file, error));
 	if (!parted->file.found)
-		return GW_OK;
-	if (parted->file.together > PART_MOST)
 		return GW_OK;
 	uint64_t part = parted->file.count / PARTS_WANTED;
 	part = part < PART_LEAST ? PART_LEAST : part < PART_MOST ? part : PART_MOST;
 	parted->part = (size_t)whole_groups(parted, part);
+	return GW_OK;
+}
+
+static bool is_open(const parted_cloud *parted)
+{
+	return parted->file.found && parted->file.together <= PART_MOST;
+}
+
+gw_status parted_cloud_open(const settings *s, const format *output, const uint64_t *kept,
+							parted_cloud *parted, gw_error *error)
+{
+	*parted = (parted_cloud){ .most = 0 };
+	if (!can_be_written(s, output))
+		return GW_OK;
+	parted->format = output;
+	GW_TRY(open_file(s, parted, error));
+	if (!is_open(parted))
+		return GW_OK;
 	if (s->tiles > 0)
 		share_memory(parted, memory_for(s));
 	else if (kept)
 		parted->most = (size_t)*kept;
 	else
 		return choose_most(parted, s, error);
+	return GW_OK;
+}
+
+gw_status parted_cloud_open_to_look(const settings *s, const parted_cloud_look *look,
+									parted_cloud *parted, gw_error *error)
+{
+	bool column = false;
+	*parted = (parted_cloud){ .most = 0 };
+	GW_TRY(open_file(s, parted, error));
+	if (!is_open(parted))
+		return GW_OK;
+	uint64_t memory = memory_for(s), count = parted->file.count;
+	if (look->column && parted->file.count > 0)
+		GW_TRY(find_columns(parted, &look->column, 1, &column, error));
+	uint64_t bytes = column ? look->column_bytes : look->bytes;
+	uint64_t left = memory > LOOK_FIXED_BYTES ? memory - LOOK_FIXED_BYTES : 0;
+	parted->most = kept_of(left / bytes, memory, count);
 	return GW_OK;
 }
 

@@ -37,6 +37,17 @@ typedef struct parted_cloud {
 gw_status parted_cloud_open(const settings *settings, const format *output, const uint64_t *kept,
 							parted_cloud *parted, gw_error *error);
 
+/* What a point takes that is only looked at. */
+typedef struct parted_cloud_look {
+	uint32_t bytes;        /* of memory */
+	const char *column;    /* NULL, or a column of the cloud with which it takes more: */
+	uint32_t column_bytes; /* so much in all */
+} parted_cloud_look;
+
+/* The same for a cloud that is looked at, and not written again. */
+gw_status parted_cloud_open_to_look(const settings *settings, const parted_cloud_look *look,
+									parted_cloud *parted, gw_error *error);
+
 /*
  * Keeps account of the bake in a journal, with which parted_cloud_thin then begins: where another
  * run began it, points are kept as there. Not for a cloud that cannot be read in parts.

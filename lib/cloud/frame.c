@@ -4,6 +4,7 @@
 
 #include "cloud/bulk_bounds.h"
 #include "base/key_sort.h"
+#include "base/luminance.h"
 #include "base/memory.h"
 
 #include <math.h>
@@ -600,6 +601,11 @@ gw_status gw_frame_make(const gw_points *points, const gw_surfels_options *optio
 bool gw_surfels_emit(const gw_surfels *s)
 {
 	return s->emission != NULL && !s->emission_alone;
+}
+
+bool gw_surfel_emits(const gw_surfels *s, size_t surfel)
+{
+	return s->emission && gw_luminance(s->emission + 3 * surfel) > 0.0;
 }
 
 size_t gw_surfels_count_clear(const gw_surfels *s)

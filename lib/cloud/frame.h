@@ -35,6 +35,9 @@ gw_status gw_frame_keep_albedo(const gw_points *points, gw_surfels *surfels, gw_
 /* Whether what surfels emit lights others. */
 bool gw_surfels_emit(const gw_surfels *surfels);
 
+/* Whether one surfel sends out light by itself. */
+bool gw_surfel_emits(const gw_surfels *surfels, size_t surfel);
+
 /* How many surfels let light through. */
 size_t gw_surfels_count_clear(const gw_surfels *surfels);
 

@@ -64,11 +64,6 @@ typedef struct work {
 
 static const double reciprocal_pi = 0.31830988618379067;
 
-static bool emits(const gw_surfels *s, size_t i)
-{
-	return s->emission && gw_luminance(s->emission + 3 * i) > 0.0;
-}
-
 static void weigh_point(work *w, size_t i)
 {
 	const gw_gap_error_task *t = w->task;
@@ -103,9 +98,9 @@ static void weigh(work *w)
 	size_t used = 0, dark = 0;
 	const bool *asked = w->task->asked;
 	for (size_t i = 0; i < s->count; i++)
-		dark += !emits(s, i) && (!asked || asked[i]);
+		dark += !gw_surfel_emits(s, i) && (!asked || asked[i]);
 	for (size_t i = 0; i < s->count; i++) {
-		if ((asked && !asked[i]) || (dark > 0 && emits(s, i)))
+		if ((asked && !asked[i]) || (dark > 0 && gw_surfel_emits(s, i)))
 			continue;
 		weigh_point(w, i);
 		used++;

@@ -7,6 +7,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/shared_math.h"
+#include "cloud/frame.h"
 #include "estimate/check_light.h"
 #include "estimate/check_point_choice.h"
 #include "estimate/side_components.h"
@@ -389,11 +390,6 @@ static void conclude(check *c, gw_side_finding *found)
 	found->spread = fmin(sqrt(square.variance) / (2.0 * found->rms), sqrt(sqrt(square.variance)));
 }
 
-static bool emits(const gw_surfels *s, size_t i)
-{
-	return s->emission && gw_luminance(s->emission + 3 * i) > 0.0;
-}
-
 /* What a point that is lit from both sides may be off by: its light. */
 static double doubt(const check *c, size_t i)
 {
@@ -413,7 +409,7 @@ static gw_status draw(check *c, gw_error *error)
 	if (!counts || !unknown)
 		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu points", s->count);
 	for (size_t i = 0; i < s->count && status == GW_OK; i++) {
-		counts[i] = !emits(s, i) && (!c->task->asked || c->task->asked[i]);
+		counts[i] = !gw_surfel_emits(s, i) && (!c->task->asked || c->task->asked[i]);
 		unknown[i] = doubt(c, i);
 		sum += counts[i] ? unknown[i] : 0.0;
 	}

@@ -1,10 +1,10 @@
 /* normal_orientation.c - see normal_orientation.h. */
 #include "normals/normal_orientation.h"
 
-#include "base/luminance.h"
 #include "base/memory.h"
 #include "base/nth_element.h"
 #include "base/up_axis.h"
+#include "cloud/frame.h"
 #include "normals/patch_borders.h"
 #include "normals/patch_signs.h"
 #include "normals/seen_from_above.h"
@@ -143,11 +143,6 @@ static float agree(const float *p, const float *n, const float *q, const float *
 	return (cosine - 2 * a * b / length) * fmaxf(1 - across, 0);
 }
 
-static bool emits(const gw_surfels *s, size_t surfel)
-{
-	return s->emission && gw_luminance(s->emission + 3 * surfel) > 0;
-}
-
 /* What a pair says, in 1 / GW_AGREED. Of a lamp's side it says nothing but where the lamp is a part
  * of smooth surface, as a screen is: one that hangs below a ceiling is no side of a plate. */
 static int8_t pair_says(const gw_surfels *s, size_t surfel, size_t other)
@@ -155,7 +150,9 @@ static int8_t pair_says(const gw_surfels *s, size_t surfel, size_t other)
 	float both = agree(s->position + 3 * surfel, s->normal + 3 * surfel, s->position + 3 * other,
 					   s->normal + 3 * other);
 	long says = lrintf(GW_AGREED * fminf(fmaxf(both, -1), 1));
-	return labs(says) < SMOOTH && emits(s, surfel) != emits(s, other) ? 0 : (int8_t)says;
+	return labs(says) < SMOOTH && gw_surfel_emits(s, surfel) != gw_surfel_emits(s, other)
+			   ? 0
+			   : (int8_t)says;
 }
 
 static void find_pairs(void *user, size_t surfel, const gw_neighbour_list *list)
@@ -639,7 +636,7 @@ static void sum_emitting(orientation_work *w)
 	for (size_t i = 0; i < s->count; i++) {
 		patch_group *g = w->now.groups + w->group[w->patch[i]];
 		g->area += (double)w->area[i];
-		g->emitting += emits(s, i) ? (double)w->area[i] : 0.0;
+		g->emitting += gw_surfel_emits(s, i) ? (double)w->area[i] : 0.0;
 	}
 }
 

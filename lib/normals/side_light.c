@@ -5,6 +5,7 @@
 #include "base/luminance.h"
 #include "base/memory.h"
 #include "base/up_axis.h"
+#include "cloud/frame.h"
 #include "glowworm_host.h"
 #include "octree/trace_constants.h"
 #include "normals/disc_tree.h"
@@ -146,11 +147,6 @@ typedef struct passed {
 	uint32_t *size;       /* of a patch, surfels */
 } passed;
 
-static bool emits(const gw_surfels *s, size_t surfel)
-{
-	return s->emission && gw_luminance(s->emission + 3 * surfel) > 0.0;
-}
-
 /* A place for every so much area of a patch, and one at least. */
 static void choose_place(side_work *w, passed *so_far, size_t surfel, double every)
 {
@@ -164,7 +160,7 @@ static void choose_place(side_work *w, passed *so_far, size_t surfel, double eve
 		so_far->last_place[patch] = (uint32_t)w->place_count;
 		if (w->places)
 			w->places[w->place_count] = (place){ .patch = patch,
-												 .emits = emits(w->surfels, surfel),
+												 .emits = gw_surfel_emits(w->surfels, surfel),
 												 .disc = make_disc(w, surfel, 0.0) };
 		w->place_count++;
 		*area = 0.0;

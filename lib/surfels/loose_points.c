@@ -3,9 +3,9 @@
  */
 #include "surfels/loose_points.h"
 
-#include "base/luminance.h"
 #include "base/memory.h"
 #include "base/nth_element.h"
+#include "cloud/frame.h"
 #include "surfels/surfel_plane.h"
 
 #include <float.h>
@@ -175,11 +175,6 @@ static gw_status measure_shares(gw_neighbours *search, loose_step *step, float *
 		GW_TRY(gw_neighbours_visit_reach(search, average, step, error));
 	}
 	return GW_OK;
-}
-
-static bool emits(const gw_surfels *s, size_t i)
-{
-	return s->emission && gw_luminance(s->emission + 3 * i) > 0.0;
 }
 
 static float disc_area(const gw_surfels *s, size_t i)
@@ -353,7 +348,8 @@ static void bound_discs(const loose_step *step, const uint8_t *fixed, gw_surfels
 		float area = known ? step->area[slot].mean : step->median;
 		float most = known ? step->area[slot].most : step->median;
 		float from = step->loose[slot] == LOOSE_IF_WIDE ? WIDE_NEAR * most : area;
-		if (step->loose[slot] == IN_BETWEEN || fixed[i] || emits(s, i) || !(disc_area(s, i) > from))
+		if (step->loose[slot] == IN_BETWEEN || fixed[i] || gw_surfel_emits(s, i) ||
+			!(disc_area(s, i) > from))
 			continue;
 		/* Wide ones may be of sparse surface all the same: discs of even points close that. */
 		float keep = step->loose[slot] == LOOSE_IF_WIDE ? (float)GW_DISC_RANK * area : area;

@@ -10,9 +10,9 @@
  */
 #include "surfels/surfel_disc.h"
 
-#include "base/luminance.h"
 #include "base/memory.h"
 #include "base/nth_element.h"
+#include "cloud/frame.h"
 #include "surfels/filled_space.h"
 #include "surfels/loose_points.h"
 #include "surfels/surfel_crease.h"
@@ -363,8 +363,7 @@ static bool is_foliage(const disc_step *step, size_t surfel)
 	const gw_surfels *s = step->surfels;
 	bool told = step->lone->area && step->lone->area[surfel] > 0.0f;
 	return step->lone->foliage[surfel] && !step->isolated[surfel] &&
-		   (told || s->normals_given < s->count) &&
-		   !(s->emission && gw_luminance(s->emission + 3 * surfel) > 0.0);
+		   (told || s->normals_given < s->count) && !gw_surfel_emits(s, surfel);
 }
 
 /* A leaf of an opacity is as much smaller. */
