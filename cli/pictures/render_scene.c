@@ -146,7 +146,7 @@ static void copy_own(render_scene *scene)
 /* How many points each surfel stands for; NULL when memory is short. For free(). */
 static uint32_t *count_points(const gw_surfels *s)
 {
-	uint32_t *points = calloc(s->count, sizeof *points);
+	uint32_t *points = calloc(s->count + 1, sizeof *points); /* of no surfels some memory, too */
 	for (size_t i = 0; points && i < s->point_count; i++)
 		if (s->surfel_of_point[i] != UINT32_MAX)
 			points[s->surfel_of_point[i]]++;
