@@ -222,14 +222,17 @@ static double spread_of(const float *point, size_t count)
 	return squares / n - (sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]) / (n * n);
 }
 
-/* The plane in which nearer neighbours count more; that of all alike where there is none. */
-static void fit_near(const normal_step *step, size_t surfel, const float *point, size_t count)
+/* The plane in which nearer neighbours count more; that of all alike where there is none. Not for
+ * neighbours in rows: the nearest are of one row then, and noise turns a plane about it. */
+static void fit_near(const normal_step *step, size_t surfel, const gw_neighbour_list *list,
+					 const float *point)
 {
 	const float *plane = step->plane + 4 * surfel;
 	float *near = step->near + 4 * surfel;
+	size_t count = list->count + 1u;
 	double spread = spread_of(point, count);
-	bool taken = plane[3] < INFINITY && !(step->state[surfel] & STRIP) && spread > 0;
-	if (!taken || !gw_plane_by_nearness(point, count, spread, near))
+	bool even = !list->in_rows && plane[3] < INFINITY && spread > 0;
+	if (!even || !gw_plane_by_nearness(point, count, spread, near))
 		memcpy(near, plane, 4 * sizeof *near);
 }
 
@@ -254,7 +257,7 @@ static void estimate_normal(void *user, size_t surfel, const gw_neighbour_list *
 	}
 	if (list->in_rows && !gw_plane_is_spanned(point, count, plane, STRIP_RATIO))
 		step->state[surfel] |= STRIP;
-	fit_near(step, surfel, point, count);
+	fit_near(step, surfel, list, point);
 	if (step->few && step->thin[surfel] > 0 && plane[3] > GW_PLANE_UNEVEN && plane[3] < INFINITY) {
 		float apart = FEW_APART * sqrtf(step->thin[surfel]) / list->distance[list->count - 1];
 		fit_few(step, point, count, apart, step->few + 4 * surfel);
