@@ -1771,6 +1771,54 @@ static void errors_of_estimated_normals_are_known(void **state)
 	clear_cloud(&flat);
 }
 
+/* Waves of ten spacings, three of them high from top to bottom. */
+static cloud make_waves(size_t count)
+{
+	const double side = sqrt((double)count), turn = 2 * PI / 10, height = 1.5;
+	cloud c = make_cloud(count, true);
+	for (size_t i = 0; i < count; i++) {
+		double x = side * uniform(), y = side * uniform();
+		double slope[2] = { height * turn * cos(turn * x) * sin(turn * y),
+							height * turn * sin(turn * x) * cos(turn * y) };
+		double length = sqrt(1 + slope[0] * slope[0] + slope[1] * slope[1]);
+		set_point(&c, i, x, y, height * sin(turn * x) * sin(turn * y));
+		c.normal[3 * i] = (float)(-slope[0] / length);
+		c.normal[3 * i + 1] = (float)(-slope[1] / length);
+		c.normal[3 * i + 2] = (float)(1 / length);
+	}
+	return c;
+}
+
+/* Root mean square angle between estimated normals and those of the points, degrees. */
+static double degrees_off(cloud c)
+{
+	float *truth = c.normal;
+	c.normal = NULL;
+	gw_surfels s = make(&c);
+	double squared = 0;
+	for (size_t i = 0; i < c.count; i++) {
+		const float *n = s.normal + 3 * (size_t)s.surfel_of_point[i], *m = truth + 3 * i;
+		double cosine = fabs((double)(n[0] * m[0] + n[1] * m[1] + n[2] * m[2]));
+		double angle = acos(fmin(cosine, 1)) * 180 / PI;
+		squared += angle * angle;
+	}
+	gw_surfels_clear(&s);
+	free(truth);
+	clear_cloud(&c);
+	return sqrt(squared / (double)c.count);
+}
+
+/* Planes in which sixteen neighbours count alike are 0.88 degrees off on the box and 21.0 on the
+ * waves (measured), those in which nearer ones count more 0.16 and 16.8: the limits lie in between.
+ * A plane over an edge is up to 45 degrees off, so that the box has two such points at most. */
+static void normals_follow_edges_and_waves(void **state)
+{
+	(void)state;
+	double box = degrees_off(make_box(20000, true, 0, 0)), waves = degrees_off(make_waves(20000));
+	if (!(box < 0.4 && waves < 19))
+		fail_msg("normals are %g degrees off on a box, %g on waves", box, waves);
+}
+
 /* Normals turn by just the angle, in all directions: to first order a sun at an angle a from them
  * then brings another light by sin(a) times the angle times the direction's cosine, whose mean
  * square is a half. The next order is as small as the angle; 10000 directions tell the mean to
@@ -2598,6 +2646,7 @@ int main(void)
 		cmocka_unit_test(lamps_shine_on_detail_but_not_on_noise),
 		cmocka_unit_test(errors_of_normals_are_known),
 		cmocka_unit_test(errors_of_estimated_normals_are_known),
+		cmocka_unit_test(normals_follow_edges_and_waves),
 		cmocka_unit_test(turned_normals_change_the_light),
 		cmocka_unit_test(normals_turn_to_those_they_may_share),
 		cmocka_unit_test(clean_points_stay),
