@@ -264,6 +264,13 @@ static void estimate_normal(void *user, size_t surfel, const gw_neighbour_list *
 	}
 }
 
+static void take_better(normal_step *step)
+{
+	float *swap = step->plane;
+	step->plane = step->better;
+	step->better = swap;
+}
+
 /* Which of both planes is the surfel's own, by those of its neighbours too. */
 static void judge_near(void *user, size_t surfel, const gw_neighbour_list *list)
 {
@@ -284,9 +291,7 @@ static void judge_near(void *user, size_t surfel, const gw_neighbour_list *list)
 static gw_status take_near(normal_step *step, gw_error *error)
 {
 	GW_TRY(gw_neighbours_visit_reach(step->search, judge_near, step, error));
-	float *swap = step->plane;
-	step->plane = step->better;
-	step->better = swap;
+	take_better(step);
 	return GW_OK;
 }
 
@@ -395,9 +400,7 @@ static gw_status choose_planes(normal_step *step, gw_error *error)
 {
 	for (int round = 0; round < PLANE_ROUNDS; round++) {
 		GW_TRY(gw_neighbours_visit_reach(step->search, choose_plane, step, error));
-		float *swap = step->plane;
-		step->plane = step->better;
-		step->better = swap;
+		take_better(step);
 	}
 	return GW_OK;
 }
