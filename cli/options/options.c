@@ -719,7 +719,7 @@ const option options[] = {
 	  .scene = true, AT(bake.memory), AUTOMATIC(0.0), .group = "Machine",
 	  .help = "bytes that a bake may use, with K, M, G or T behind the number; auto is most of "
 			  "what is free. Where they do not hold all points, as many make the surface as "
-			  "fit; of binary PLY, LAS and LAZ baked to one of these or E57 the others are never "
+			  "fit; of clouds from files, baked to PLY, LAS, LAZ, E57 or PCD, the others are never "
 			  "all in memory, and pictures show as many as fit" },
 	{ "surface-points", 0, "N", OPTION_COUNT, FOR(BAKE | PLAN), .scene = true,
 	  AT(bake.surface_points), RANGE(1.0, 1e9), AUTOMATIC(0.0), .group = "Machine",
@@ -729,11 +729,10 @@ const option options[] = {
 			  "all, or as many as --memory holds" },
 	{ "tiles", 0, "N", OPTION_COUNT, FOR(BAKE), .scene = true, AT(tiles), RANGE(1.0, 1e6),
 	  .automatic = "none", .automatic_value = 0.0, .group = "Machine",
-	  .help =
-		  "of a cloud that memory does not hold, light all points by surfaces of all of them, "
-		  "place by place, where otherwise as many as memory holds make the surface: nearer to "
-		  "the light of all at once, in several times its time. So many tiles at least; more "
-		  "where --memory asks for them. Of binary PLY, LAS and LAZ baked to one of these or E57" },
+	  .help = "of a cloud that memory does not hold, light all points by surfaces of all of them, "
+			  "place by place, where otherwise as many as memory holds make the surface: nearer to "
+			  "the light of all at once, in several times its time. So many tiles at least; more "
+			  "where --memory asks for them. Of clouds from files, to PLY, LAS, LAZ, E57 or PCD" },
 	{ "device", 0, "NAME", OPTION_TEXT,
 	  FOR(BAKE | PLAN | TRADEOFF | RENDER | DOCTOR | ALBEDO | PROBES), .scene = true,
 	  AT(bake.device), .group = "Machine",

@@ -58,7 +58,8 @@ static void describe(FILE *out, const settings *s, const format_parts *input)
 			(unsigned long long)ends_of("/proc/self/exe"));
 	fprintf(out, "command: %s\n", s->command);
 	fprintf(out, "--memory: %llu\n", (unsigned long long)s->bake.memory);
-	describe_file(out, "input", s->input[0].path);
+	for (size_t i = 0; i < s->input_count; i++)
+		describe_file(out, "input", s->input[i].path);
 	fprintf(out, "points of the input: %llu\n", (unsigned long long)input->count);
 	if (s->scene)
 		describe_file(out, "scene file", s->scene);

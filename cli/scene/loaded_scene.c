@@ -1,6 +1,7 @@
 #include "scene/loaded_scene.h"
 #include "glowworm_host.h"
 
+#include "scene/scan_move.h"
 #include "scene/scene_instances.h"
 #include "scene/floor_places.h"
 #include "scene/sky_light.h"
@@ -8,7 +9,6 @@
 #include "files/growing_table.h"
 #include "points/scan_color.h"
 #include "points/scan_opacity.h"
-#include "points/scan_splats.h"
 #include "points/scan_origin.h"
 #include "points/scan_rows.h"
 #include "points/scan_intensity.h"
@@ -24,110 +24,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const position_names[3] = { "x", "y", "z" };
-static const char *const normal_names[3] = { "nx", "ny", "nz" };
 static const char *const emission_names[3] = { "emission_r", "emission_g", "emission_b" };
 
 const char *loaded_scene_input_name(const char *path)
 {
 	return strcmp(path, "-") == 0 ? "standard input" : path;
-}
-
-/* -------------------------------------------------------------------- moving one input */
-
-/* Replaces three columns by doubles, M * v; what they held comes from scan_value. */
-static gw_status transform_columns(scan *cloud, const char *const name[3], const double m[9],
-								   const double shift[3], gw_error *error)
-{
-	double *value = reallocarray(NULL, cloud->count, 3 * sizeof *value);
-	if (!value)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory to move %zu points", cloud->count);
-	for (int k = 0; k < 3; k++) {
-		const scan_column *column = scan_find(cloud, name[k]);
-		for (size_t i = 0; i < cloud->count; i++)
-			value[3 * i + (size_t)k] = scan_value(column, i);
-	}
-	gw_status status = GW_OK;
-	for (int k = 0; k < 3 && status == GW_OK; k++) {
-		scan_remove_column(cloud, name[k]);
-		scan_column *column = scan_add_column(cloud, name[k], SCAN_FLOAT64, error);
-		status = column ? GW_OK : GW_ERROR_MEMORY;
-		for (size_t i = 0; column && i < cloud->count; i++) {
-			const double *v = value + 3 * i;
-			((double *)column->data)[i] =
-				m[3 * k] * v[0] + m[3 * k + 1] * v[1] + m[3 * k + 2] * v[2] + shift[k];
-		}
-	}
-	free(value);
-	return status;
-}
-
-/* Cofactors of a 3x3 matrix: its inverse transposed, up to a factor. */
-static void cofactors(const double a[9], double c[9])
-{
-	for (int i = 0; i < 3; i++)
-		for (int j = 0; j < 3; j++) {
-			int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
-			c[3 * i + j] = a[3 * i1 + j1] * a[3 * i2 + j2] - a[3 * i1 + j2] * a[3 * i2 + j1];
-		}
-}
-
-/* Normals keep their length, which says how much they spread. */
-static gw_status transform_normals(scan *cloud, const char *const name[3], const double linear[9],
-								   gw_error *error)
-{
-	static const double zero[3] = { 0 };
-	double c[9];
-	cofactors(linear, c);
-	double determinant = linear[0] * c[0] + linear[1] * c[1] + linear[2] * c[2];
-	for (int k = 0; k < 9; k++)
-		c[k] *= determinant < 0.0 ? -1.0 : 1.0;
-	double *length = reallocarray(NULL, cloud->count, sizeof *length);
-	if (!length)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory to turn %zu normals", cloud->count);
-	for (size_t i = 0; i < cloud->count; i++) {
-		double n[3];
-		for (int k = 0; k < 3; k++)
-			n[k] = scan_value(scan_find(cloud, name[k]), i);
-		length[i] = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-	}
-	gw_status status = transform_columns(cloud, name, c, zero, error);
-	for (size_t i = 0; i < cloud->count && status == GW_OK; i++) {
-		double *n[3], sum = 0.0;
-		for (int k = 0; k < 3; k++) {
-			n[k] = (double *)scan_find(cloud, name[k])->data + i;
-			sum += *n[k] * *n[k];
-		}
-		for (int k = 0; k < 3 && sum > 0.0; k++)
-			*n[k] *= length[i] / sqrt(sum);
-	}
-	free(length);
-	return status;
-}
-
-static gw_status transform(scan *cloud, const double matrix[16], gw_error *error)
-{
-	double linear[9], shift[3];
-	for (int row = 0; row < 3; row++) {
-		memcpy(linear + 3 * row, matrix + 4 * row, 3 * sizeof *linear);
-		shift[row] = matrix[4 * row + 3];
-	}
-	for (size_t i = 0; i < cloud->scanner_count + cloud->image_count; i++) {
-		bool image = i >= cloud->scanner_count;
-		double s[3],
-			*to = image ? cloud->image[i - cloud->scanner_count].scanner : cloud->scanner + 3 * i;
-		memcpy(s, to, sizeof s);
-		for (int k = 0; k < 3; k++)
-			to[k] = linear[3 * k] * s[0] + linear[3 * k + 1] * s[1] + linear[3 * k + 2] * s[2] +
-					shift[k];
-	}
-	GW_TRY(transform_columns(cloud, position_names, linear, shift, error));
-	for (int t = 0; t < 2; t++) {
-		const char *const *name = t == 0 ? normal_names : scan_axis_names;
-		if (scan_find(cloud, name[0]) && scan_find(cloud, name[1]) && scan_find(cloud, name[2]))
-			GW_TRY(transform_normals(cloud, name, linear, error));
-	}
-	return GW_OK;
 }
 
 /* --------------------------------------------------------------------- one input's columns */
@@ -261,6 +162,12 @@ typedef struct part {
 	scan_points points;
 } part;
 
+/* How many are read: of what comes in parts, one cloud of all inputs. */
+static size_t clouds_read(const settings *s, const loaded_scene *scene)
+{
+	return scene->parted ? 1 : s->input_count;
+}
+
 static gw_status read_file(const settings *s, const settings_input *from, scan *cloud,
 						   const format **found, gw_error *error)
 {
@@ -285,7 +192,6 @@ static gw_status read_cloud(const settings *s, size_t i, scan *kept, part *parts
 		scene->input[i].format = scene->input[i - 1].format;
 		GW_TRY(scan_copy(kept, cloud, error));
 	} else if (scene->parted) {
-		scene->input[i].format = scene->parted->file.found;
 		GW_TRY(parted_cloud_thin(scene->parted, cloud, error));
 	} else {
 		GW_TRY(read_file(s, from, cloud, &scene->input[i].format, error));
@@ -293,7 +199,7 @@ static gw_status read_cloud(const settings *s, size_t i, scan *kept, part *parts
 		if (i + 1 < s->input_count && s->input[i + 1].again)
 			GW_TRY(scan_copy(cloud, kept, error));
 	}
-	return from->has_matrix ? transform(cloud, from->matrix, error) : GW_OK;
+	return from->has_matrix && !scene->parted ? scan_move(cloud, from->matrix, error) : GW_OK;
 }
 
 /* The matrix comes before the sampling, so that the density is that of the scene. */
@@ -596,10 +502,31 @@ static gw_status find_place(const settings *s, loaded_scene *scene, size_t input
 	return status;
 }
 
+/* What is known of inputs that come in parts. */
+static void note_parted(const settings *s, loaded_scene *scene)
+{
+	for (size_t i = 0; i < s->input_count; i++) {
+		const gathered_input *own = scene->parted->input ? &scene->parted->input[i] : NULL;
+		loaded_input *facts = &scene->input[i];
+		facts->path = s->input[i].path;
+		facts->format = own ? own->format : scene->parted->file.found;
+		facts->points = own ? own->points : scene->parted->file.count;
+		facts->left_out = own ? own->left_out : facts->left_out;
+		if (i == 0)
+			continue;
+		memcpy(facts->albedo_source, scene->input[0].albedo_source, sizeof facts->albedo_source);
+		facts->albedo_missing = scene->input[0].albedo_missing;
+		facts->albedo_told = scene->input[0].albedo_told;
+		facts->albedo_mean = scene->input[0].albedo_mean;
+		facts->lit = scene->input[0].lit;
+	}
+	scene->input_count = s->input_count;
+}
+
 static gw_status read_each(const settings *s, scan *kept, loaded_scene *scene, part *parts,
 						   gw_error *error)
 {
-	for (size_t i = 0; i < s->input_count; i++) {
+	for (size_t i = 0; i < clouds_read(s, scene); i++) {
 		const settings_input *from = &s->input[i];
 		loaded_input *facts = &scene->input[i];
 		facts->path = from->path;
@@ -662,12 +589,12 @@ static gw_status finish_clouds(const settings *s, loaded_scene *scene, part *par
 	GW_TRY(find_full_intensity(s, scene, parts, &scaled.points.intensity_full, error));
 	scaled.points.threads = s->bake.threads;
 	scaled.points.told = scene->parted ? &scene->parted->told : NULL;
-	for (size_t i = 0; i < s->input_count; i++) {
+	for (size_t i = 0; i < clouds_read(s, scene); i++) {
 		if (scene->input[i].is_mesh)
 			continue;
 		GW_TRY(finish_part(&scaled, &s->input[i], &parts[i], &scene->input[i], error));
 		if (scene->parted)
-			scene->input[i].points = scene->parted->file.count;
+			note_parted(s, scene);
 		place_points(scene, &parts[i].points, parts[i].cloud.count);
 		GW_TRY(signals_check(error));
 	}
@@ -694,7 +621,7 @@ static gw_status join_parts(const settings *s, loaded_scene *scene, part *parts,
 {
 	double density;
 	GW_TRY(find_density(s, scene, parts, &density, error));
-	for (size_t i = 0; i < s->input_count; i++) {
+	for (size_t i = 0; i < clouds_read(s, scene); i++) {
 		gw_status status = join_part(s, scene, i, density, &parts[i], error);
 		scan_clear(&parts[i].cloud);
 		scan_points_clear(&parts[i].points);

@@ -8,6 +8,9 @@
 #include "points/scan_thinning.h"
 #include "program/signals.h"
 
+#include <stdlib.h>
+#include <string.h>
+
 /* Points that are read at once: such that some parts are there of small clouds too, for those who
  * go on where others ended. */
 #define PART_LEAST ((size_t)1 << 14)
@@ -21,6 +24,9 @@
 
 /* Of the program and its driver where a cloud is only looked at. */
 #define LOOK_FIXED_BYTES (UINT64_C(64) << 20)
+
+/* Where points are gathered whose picture goes to a pipe. */
+#define ELSEWHERE "/var/tmp/"
 
 #define KEPT_MOST ((uint64_t)1 << 30)
 
@@ -123,13 +129,20 @@ static uint64_t whole_groups(const parted_cloud *parted, uint64_t part)
 	return part > together ? part / together * together : together;
 }
 
-/* Opens a file that can be read in parts; nothing is found where it cannot. */
-static gw_status open_file(const settings *s, parted_cloud *parted, gw_error *error)
+/* Opens what can be read in parts: one file, or what is gathered of several; nothing is found where
+ * there is none. */
+static gw_status open_file(const settings *s, const gathered_cloud_use *use, parted_cloud *parted,
+						   gw_error *error)
 {
 	const format_options options = { s->format, s->columns, s->bake.threads };
-	if (!asks_for_points_alone(s) || !is_one_file(s))
+	if (!asks_for_points_alone(s))
 		return GW_OK;
-	GW_TRY(format_parts_open(s->input[0].path, &options, &parted->file, error));
+	if (is_one_file(s))
+		GW_TRY(format_parts_open(s->input[0].path, &options, &parted->file, error));
+	if (!parted->file.found) {
+		format_parts_close(&parted->file);
+		GW_TRY(gathered_cloud_make(s, use, &parted->file, &parted->input, error));
+	}
 	if (!parted->file.found)
 		return GW_OK;
 	uint64_t part = parted->file.count / PARTS_WANTED;
@@ -150,7 +163,12 @@ gw_status parted_cloud_open(const settings *s, const format *output, const uint6
 	if (!can_be_written(s, output))
 		return GW_OK;
 	parted->format = output;
-	GW_TRY(open_file(s, parted, error));
+	uint64_t memory = memory_for(s);
+	const gathered_cloud_use use = { .beside = s->output,
+									 .memory = memory,
+									 .fit = gw_points_in_memory(memory, false, true, &s->bake),
+									 .always = s->tiles > 0 || (kept && *kept > 0) };
+	GW_TRY(open_file(s, &use, parted, error));
 	if (!is_open(parted))
 		return GW_OK;
 	if (s->tiles > 0)
@@ -165,16 +183,20 @@ gw_status parted_cloud_open(const settings *s, const format *output, const uint6
 gw_status parted_cloud_open_to_look(const settings *s, const parted_cloud_look *look,
 									parted_cloud *parted, gw_error *error)
 {
-	bool column = false;
+	bool column = false, file = s->output && strcmp(s->output, "-") != 0;
+	uint64_t memory = memory_for(s);
+	uint64_t left = memory > LOOK_FIXED_BYTES ? memory - LOOK_FIXED_BYTES : 0;
+	const gathered_cloud_use use = { .beside = file ? s->output : ELSEWHERE,
+									 .memory = memory,
+									 .fit = left / look->bytes };
 	*parted = (parted_cloud){ .most = 0 };
-	GW_TRY(open_file(s, parted, error));
+	GW_TRY(open_file(s, &use, parted, error));
 	if (!is_open(parted))
 		return GW_OK;
-	uint64_t memory = memory_for(s), count = parted->file.count;
+	uint64_t count = parted->file.count;
 	if (look->column && parted->file.count > 0)
 		GW_TRY(find_columns(parted, &look->column, 1, &column, error));
 	uint64_t bytes = column ? look->column_bytes : look->bytes;
-	uint64_t left = memory > LOOK_FIXED_BYTES ? memory - LOOK_FIXED_BYTES : 0;
 	parted->most = kept_of(left / bytes, memory, count);
 	return GW_OK;
 }
@@ -274,5 +296,6 @@ void parted_cloud_close(parted_cloud *parted)
 {
 	format_whole_clear(parted->format, &parted->whole);
 	format_parts_close(&parted->file);
+	free(parted->input);
 	*parted = (parted_cloud){ .most = 0 };
 }

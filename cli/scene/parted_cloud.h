@@ -1,11 +1,13 @@
 /*
- * parted_cloud.h - an input that memory does not hold: read once to keep as many of its points as
- * do, spread over its surface, which are baked; and once more, part by part, to light all of them.
+ * parted_cloud.h - inputs that memory does not hold: read once to keep as many of their points as
+ * do, spread over their surface, which are baked; and once more, part by part, to light all of
+ * them. Several files, and those that cannot be read in parts, are copied into one first that can.
  */
 #ifndef PARTED_CLOUD_H
 #define PARTED_CLOUD_H
 
 #include "points/scan_told.h"
+#include "scene/gathered_cloud.h"
 #include "scene/bake_journal.h"
 #include "table/format_parts.h"
 
@@ -14,6 +16,7 @@
 
 typedef struct parted_cloud {
 	format_parts file;
+	gathered_input *input;  /* owned; one each, where inputs were gathered; else NULL */
 	size_t most;            /* points that may be kept; 0: all of them fit, and are read as usual */
 	size_t tile;            /* points of a tile with its halo, where all are lit by tiles */
 	uint64_t memory_wanted; /* bytes: the least that holds a tile, where less was given, or 0 */
@@ -27,8 +30,8 @@ typedef struct parted_cloud {
 
 /*
  * Looks whether the points of the inputs fit into memory, and where they do not, whether they can
- * be read in parts: one cloud alone, in a file and a format that allow it as that of the results
- * does, with nothing asked for that takes all points at once. Otherwise they are read as usual.
+ * be read in parts: clouds in files, results in a format that allows it, and nothing asked for
+ * that takes all points at once. Otherwise they are read as usual.
  *   output   the format of the results, or NULL
  *   kept     NULL, or how many points another bake kept, 0 for all, whose transport this one begins
  *            with

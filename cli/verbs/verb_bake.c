@@ -209,8 +209,8 @@ static gw_status open_alone(bake *b)
 		return gw_fail(
 			b->error, GW_ERROR_USAGE,
 			"this bake is of all points at once, which %u processes cannot share: start "
-			"one, or where binary PLY, LAS or LAZ goes to PLY or LAS give a --memory that does "
-			"not hold all points",
+			"one, or where the result is PLY or LAS give a --memory that does not hold all "
+			"points",
 			b->ranks.count);
 	if (!s->quiet)
 		fprintf(stderr, "glowworm: note: --resume keeps nothing of this bake: it is of all points "
@@ -282,20 +282,19 @@ static gw_status open_transport(bake *b, const uint64_t **kept)
 /* Whether the points can be lit by tiles, if they are to be. */
 static gw_status check_tiles(const bake *b)
 {
-	const char *path = b->settings->input[0].path;
 	if (b->settings->tiles == 0 || b->parted.most > 0)
 		return GW_OK;
 	if (b->parted.memory_wanted > 0)
 		return gw_fail(
 			b->error, GW_ERROR_USAGE,
 			"--tiles needs more memory than there is for it: say --memory %lluM, or more, "
-			"or leave it out, which lights some points of %s for all",
-			(unsigned long long)((b->parted.memory_wanted >> 20) + 1), path);
+			"or leave it out, which lights some of the points for all",
+			(unsigned long long)((b->parted.memory_wanted >> 20) + 1));
 	return gw_fail(b->error, GW_ERROR_USAGE,
-				   "--tiles lights one file whose points can be read in parts, a binary PLY, LAS "
-				   "or LAZ with more than %u points, to a file of one of these or E57; leave it "
-				   "out, or convert %s",
-				   PARTED_CLOUD_LEAST, path);
+				   "--tiles lights clouds from files, of more than %u points in all, to a file of "
+				   "PLY, LAS, LAZ, E57 or PCD; not pipes, meshes, frames, or inputs of which a "
+				   "scene file says more than where they stand; leave it out",
+				   PARTED_CLOUD_LEAST);
 }
 
 static gw_status read_inputs(bake *b)

@@ -315,14 +315,18 @@ static gw_status parse_text(parser *p, const e57_pages *pages)
 	XML_SetElementHandler(p->xml, open_element, close_element);
 	XML_SetCharacterDataHandler(p->xml, take_text);
 	XML_SetStartDoctypeDeclHandler(p->xml, refuse_declarations);
-	const char *text = (const char *)pages->data + pages->xml;
-	size_t left = pages->xml_length;
+	size_t at = pages->xml, left = pages->xml_length;
 	enum XML_Status good = XML_STATUS_OK;
 	while (left > 0 && good == XML_STATUS_OK) {
 		size_t chunk = left < (1u << 20) ? left : 1u << 20;
+		void *text = XML_GetBuffer(p->xml, (int)chunk);
+		if (!text)
+			return gw_fail(p->error, GW_ERROR_MEMORY, "no memory for the description of %s",
+						   p->in->name);
+		e57_pages_copy(pages, at, chunk, text);
+		at += chunk;
 		left -= chunk;
-		good = XML_Parse(p->xml, text, (int)chunk, left == 0);
-		text += chunk;
+		good = XML_ParseBuffer(p->xml, (int)chunk, left == 0);
 	}
 	GW_TRY(p->status);
 	if (good == XML_STATUS_OK && pages->xml_length > 0)

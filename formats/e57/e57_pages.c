@@ -41,25 +41,24 @@ uint32_t e57_page_checksum(const uint8_t *content)
 	return checksum(content);
 }
 
-typedef struct copying {
+typedef struct checking {
 	const input_file *in;
-	e57_pages *pages;
 	atomic_size_t bad; /* the first page with another checksum */
-} copying;
+} checking;
 
-static void copy_pages(void *user, size_t first, size_t last, uint32_t worker)
+static void check_pages(void *user, size_t first, size_t last, uint32_t worker)
 {
 	(void)worker;
-	copying *c = user;
+	checking *c = user;
 	for (size_t p = first; p < last; p++) {
 		const uint8_t *from = c->in->data + p * E57_PAGE;
-		memcpy(c->pages->data + p * E57_CONTENT, from, E57_CONTENT);
 		uint32_t stored = __builtin_bswap32((uint32_t)e57_load(from + E57_CONTENT, 4));
 		size_t before = atomic_load(&c->bad);
 		if (checksum(from) != stored)
 			while (p < before && !atomic_compare_exchange_weak(&c->bad, &before, p))
 				;
 	}
+	input_file_release(c->in, c->in->data + first * E57_PAGE, c->in->data + last * E57_PAGE);
 }
 
 static gw_status check_header(const input_file *in, gw_error *error)
@@ -87,17 +86,10 @@ static gw_status check_header(const input_file *in, gw_error *error)
 	return GW_OK;
 }
 
-static gw_status copy_all(e57_pages *pages, const input_file *in, gw_error *error)
+static gw_status check_all(const input_file *in, gw_error *error)
 {
-	size_t count = in->length / E57_PAGE;
-	pages->length = count * E57_CONTENT;
-	pages->data = malloc(pages->length + 16);
-	if (!pages->data)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the %zu pages of %s", count,
-					   in->name);
-	memset(pages->data + pages->length, 0, 16);
-	copying c = { .in = in, .pages = pages, .bad = SIZE_MAX };
-	gw_parallel_for(in->threads, count, 1024, copy_pages, &c);
+	checking c = { .in = in, .bad = SIZE_MAX };
+	gw_parallel_for(in->threads, in->length / E57_PAGE, 1024, check_pages, &c);
 	size_t bad = atomic_load(&c.bad);
 	if (bad != SIZE_MAX)
 		return gw_fail(error, GW_ERROR_DATA,
@@ -107,34 +99,39 @@ static gw_status copy_all(e57_pages *pages, const input_file *in, gw_error *erro
 	return GW_OK;
 }
 
-static gw_status read_pages(e57_pages *pages, const input_file *in, gw_error *error)
+gw_status e57_pages_open(e57_pages *pages, const input_file *in, gw_error *error)
 {
+	*pages = (e57_pages){ .in = NULL };
 	GW_TRY(check_header(in, error));
-	GW_TRY(copy_all(pages, in, error));
+	e57_pages all = { .in = in, .length = in->length / E57_PAGE * E57_CONTENT };
 	uint64_t xml = e57_load(in->data + 24, 8), length = e57_load(in->data + 32, 8);
-	if (!e57_pages_locate(pages, xml, &pages->xml) || length > pages->length - pages->xml)
+	if (!e57_pages_locate(&all, xml, &all.xml) || length > all.length - all.xml)
 		return gw_fail(error, GW_ERROR_DATA,
 					   "%s: the description should stand at byte %llu, %llu bytes long, which is "
 					   "beyond the end; the header is damaged",
 					   in->name, (unsigned long long)xml, (unsigned long long)length);
-	pages->xml_length = (size_t)length;
+	all.xml_length = (size_t)length;
+	*pages = all;
 	return GW_OK;
 }
 
-gw_status e57_pages_read(e57_pages *pages, const input_file *in, gw_error *error)
+gw_status e57_pages_check(const e57_pages *pages, gw_error *error)
 {
-	*pages = (e57_pages){ 0 };
 	pthread_once(&table_once, make_table);
-	gw_status status = read_pages(pages, in, error);
-	if (status != GW_OK)
-		e57_pages_clear(pages);
-	return status;
+	return check_all(pages->in, error);
 }
 
-void e57_pages_clear(e57_pages *pages)
+void e57_pages_copy(const e57_pages *pages, size_t at, size_t length, void *to)
 {
-	free(pages->data);
-	*pages = (e57_pages){ 0 };
+	uint8_t *next = to;
+	while (length > 0) {
+		size_t within = at % E57_CONTENT, left = E57_CONTENT - within;
+		size_t size = length < left ? length : left;
+		memcpy(next, pages->in->data + at / E57_CONTENT * E57_PAGE + within, size);
+		next += size;
+		at += size;
+		length -= size;
+	}
 }
 
 bool e57_pages_locate(const e57_pages *pages, uint64_t offset, size_t *at)

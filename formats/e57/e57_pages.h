@@ -13,22 +13,28 @@
 /* CRC-32C of the content of a page. */
 uint32_t e57_page_checksum(const uint8_t *content);
 
-/* What is left when the checksums are taken out. */
+/* What is left of a file when the checksums are taken out: the pages' content. */
 typedef struct e57_pages {
-	uint8_t *data; /* owned; length bytes, and 16 zeros behind them */
-	size_t length;
-	size_t xml, xml_length; /* where the description stands, within data */
+	const input_file *in;
+	size_t length;          /* bytes of content */
+	size_t xml, xml_length; /* where the description stands, within it */
 } e57_pages;
 
 /*
- * Checks the file's header and every page's CRC-32C, and puts the pages' content together.
- *   pages   on success to be given back with e57_pages_clear; zeroed on failure
- *   error   GW_ERROR_DATA with file and place; GW_ERROR_MEMORY
+ * Looks at the file's header.
+ *   pages   refers to the file; zeroed on failure
+ *   error   GW_ERROR_DATA with file and place
  */
-gw_status e57_pages_read(e57_pages *pages, const input_file *in, gw_error *error);
-void e57_pages_clear(e57_pages *pages);
+gw_status e57_pages_open(e57_pages *pages, const input_file *in, gw_error *error);
 
-/* From an offset in the file to one in data. False when it lies in a checksum or behind the end. */
+/* Checks every page's CRC-32C. GW_ERROR_DATA with file and place. */
+gw_status e57_pages_check(const e57_pages *pages, gw_error *error);
+
+/* Copies the content [at, at + length), which is there. */
+void e57_pages_copy(const e57_pages *pages, size_t at, size_t length, void *to);
+
+/* From an offset in the file to one in the content. False when it lies in a checksum or behind the
+ * end. */
 bool e57_pages_locate(const e57_pages *pages, uint64_t offset, size_t *at);
 
 /* An unsigned number of `size` bytes, lowest first. */

@@ -4,6 +4,7 @@
  */
 #include "e57/e57_description.h"
 #include "e57/e57_format.h"
+#include "e57/e57_source.h"
 #include "glowworm_host.h"
 #include "points/scan_origin.h"
 #include "text/text_columns.h"
@@ -12,16 +13,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Records that a thread unpacks in one go. */
-#define BLOCK_RECORDS ((size_t)1 << 14)
-
 typedef enum coordinates { CARTESIAN, SPHERICAL } coordinates;
 
 /* One scan on its way. */
 typedef struct source {
 	const e57_scan *scan;
-	size_t begin, end; /* of its packets, in the pages */
-	uint64_t *bytes;   /* owned; of each field */
+	e57_source records;
 	coordinates kind;
 	size_t position[3]; /* fields x y z, or range azimuth elevation */
 	size_t invalid;     /* field that says which records have none, or SIZE_MAX */
@@ -33,6 +30,7 @@ typedef struct reader {
 	e57_pages pages;
 	e57_description description;
 	source *source; /* owned; description.scan_count */
+	uint64_t count; /* records of all */
 	text_names names;
 	text_column *column; /* owned; names.count */
 	uint8_t *invalid;    /* owned; one a point */
@@ -42,149 +40,12 @@ typedef struct reader {
 
 static gw_status fail_scan(const reader *r, size_t index, const char *what)
 {
-	return gw_fail(r->error, GW_ERROR_DATA, "%s: scan %zu %s; the file is damaged", r->in->name,
-				   index + 1, what);
+	return e57_source_fail(&r->pages, index, what, r->error);
 }
 
 static gw_status fail_memory(const reader *r)
 {
 	return gw_fail(r->error, GW_ERROR_MEMORY, "no memory for the points of %s", r->in->name);
-}
-
-/* -------------------------------------------------------------------------------- packets */
-
-/* A packet of data: lengths of its fields' stretches, and the stretches behind them. */
-typedef struct packet {
-	const uint8_t *length; /* 2 bytes a field */
-	const uint8_t *data;
-} packet;
-
-/*
- * Takes the next packet that holds data; *at moves behind it. False at the end or when it is
- * damaged, and then *at is before s->end.
- */
-static bool next_packet(const reader *r, const source *s, size_t *at, packet *p)
-{
-	enum { INDEX, DATA, EMPTY };
-	while (s->end - *at >= 4) {
-		const uint8_t *head = r->pages.data + *at;
-		size_t size = (size_t)e57_load(head + 2, 2) + 1, fields = s->scan->field_count;
-		if (head[0] > EMPTY || size > s->end - *at || size < 4)
-			return false;
-		if (head[0] != DATA) {
-			*at += size;
-			continue;
-		}
-		if (size < 6 + 2 * fields || e57_load(head + 4, 2) != fields)
-			return false;
-		size_t sum = 6 + 2 * fields;
-		for (size_t f = 0; f < fields; f++)
-			sum += (size_t)e57_load(head + 6 + 2 * f, 2);
-		if (sum > size)
-			return false;
-		*p = (packet){ head + 6, head + 6 + 2 * fields };
-		*at += size;
-		return true;
-	}
-	*at = s->end;
-	return false;
-}
-
-/* Finds the packets and counts the bytes of each field. */
-static gw_status find_packets(const reader *r, source *s, size_t index)
-{
-	size_t section, at;
-	packet p;
-	s->bytes = calloc(s->scan->field_count ? s->scan->field_count : 1, sizeof *s->bytes);
-	if (!s->bytes)
-		return fail_memory(r);
-	if (s->scan->count == 0)
-		return GW_OK;
-	if (!e57_pages_locate(&r->pages, s->scan->offset, &section) || r->pages.length - section < 32)
-		return fail_scan(r, index, "has records beyond the end");
-	const uint8_t *head = r->pages.data + section;
-	uint64_t length = e57_load(head + 8, 8);
-	if (head[0] != 1 || length > r->pages.length - section ||
-		!e57_pages_locate(&r->pages, e57_load(head + 16, 8), &s->begin) || s->begin < section ||
-		s->begin > section + length)
-		return fail_scan(r, index, "has a section of records whose header makes no sense");
-	s->end = at = section + (size_t)length;
-	for (at = s->begin; next_packet(r, s, &at, &p);)
-		for (size_t f = 0; f < s->scan->field_count; f++)
-			s->bytes[f] += e57_load(p.length + 2 * f, 2);
-	return at == s->end ? GW_OK : fail_scan(r, index, "has a packet that makes no sense");
-}
-
-/* All values of a field in one piece with 16 bytes to spare, for free(). */
-static uint8_t *gather_field(const reader *r, const source *s, size_t field)
-{
-	size_t length = 0;
-	uint8_t *bytes = malloc((size_t)s->bytes[field] + 16);
-	packet p;
-	for (size_t at = s->begin; bytes && next_packet(r, s, &at, &p);) {
-		const uint8_t *from = p.data;
-		for (size_t f = 0; f < field; f++)
-			from += e57_load(p.length + 2 * f, 2);
-		size_t size = (size_t)e57_load(p.length + 2 * field, 2);
-		memcpy(bytes + length, from, size);
-		length += size;
-	}
-	if (bytes)
-		memset(bytes + length, 0, 16);
-	return bytes;
-}
-
-/* -------------------------------------------------------------------------------- values */
-
-typedef struct unpacking {
-	const uint8_t *bytes;
-	const e57_field *field;
-	double *to;
-} unpacking;
-
-static double unpack_value(const e57_field *f, const uint8_t *bytes, size_t i)
-{
-	if (f->type == E57_SINGLE) {
-		uint32_t bits = (uint32_t)e57_load(bytes + 4 * i, 4);
-		float value;
-		memcpy(&value, &bits, sizeof value);
-		return (double)value;
-	}
-	if (f->type == E57_DOUBLE) {
-		uint64_t bits = e57_load(bytes + 8 * i, 8);
-		double value;
-		memcpy(&value, &bits, sizeof value);
-		return value;
-	}
-	uint64_t bits = 0;
-	if (f->bits > 0) {
-		size_t place = i * f->bits, shift = place % 8;
-		bits = e57_load(bytes + place / 8, 8) >> shift;
-		if (shift + f->bits > 64)
-			bits |= (uint64_t)bytes[place / 8 + 8] << (64 - shift);
-		bits &= UINT64_MAX >> (64 - f->bits);
-	}
-	double whole = (double)(int64_t)((uint64_t)f->minimum + bits);
-	return f->type == E57_SCALED ? whole * f->scale + f->offset : whole;
-}
-
-static void unpack_values(void *user, size_t first, size_t last, uint32_t worker)
-{
-	(void)worker;
-	const unpacking *u = user;
-	for (size_t i = first; i < last; i++)
-		u->to[i] = unpack_value(u->field, u->bytes, i);
-}
-
-static gw_status unpack_field(const reader *r, const source *s, size_t field, double *to)
-{
-	uint8_t *bytes = gather_field(r, s, field);
-	if (!bytes)
-		return fail_memory(r);
-	unpacking u = { bytes, &s->scan->field[field], to };
-	gw_parallel_for(r->in->threads, (size_t)s->scan->count, BLOCK_RECORDS, unpack_values, &u);
-	free(bytes);
-	return GW_OK;
 }
 
 /* -------------------------------------------------------------------------------- fields */
@@ -217,32 +78,11 @@ static bool find_position(source *s)
 	return false;
 }
 
-/* Each record takes a bit or more, and every field has the bits that the records take. */
-static gw_status check_count(const reader *r, const source *s, size_t index)
-{
-	bool any = false;
-	for (size_t f = 0; f < s->scan->field_count; f++) {
-		const e57_field *field = &s->scan->field[f];
-		uint64_t bits;
-		if (field->type == E57_STRING)
-			continue;
-		any = any || field->bits > 0;
-		if (__builtin_mul_overflow(s->scan->count, field->bits, &bits) ||
-			bits / 8 + (bits % 8 != 0) > s->bytes[f])
-			return gw_fail(r->error, GW_ERROR_DATA,
-						   "%s: scan %zu has %llu records, but only %llu bytes of '%.40s', of %u "
-						   "bits each; the file is damaged",
-						   r->in->name, index + 1, (unsigned long long)s->scan->count,
-						   (unsigned long long)s->bytes[f], field->name, field->bits);
-	}
-	return any ? GW_OK : fail_scan(r, index, "has records without a single bit");
-}
-
 static gw_status prepare_source(reader *r, size_t index)
 {
 	source *s = &r->source[index];
 	s->scan = &r->description.scan[index];
-	gw_status status = find_packets(r, s, index);
+	gw_status status = e57_source_open(&s->records, &r->pages, s->scan, index, r->error);
 	if (status != GW_OK || s->scan->count == 0)
 		return status;
 	if (!find_position(s))
@@ -250,10 +90,7 @@ static gw_status prepare_source(reader *r, size_t index)
 					   "%s: the records of scan %zu have neither cartesian nor spherical "
 					   "coordinates",
 					   r->in->name, index + 1);
-	status = check_count(r, s, index);
-	s->first = r->cloud->count;
-	s->kept = (size_t)s->scan->count;
-	r->cloud->count += s->kept;
+	r->count += s->scan->count;
 	return status;
 }
 
@@ -301,7 +138,7 @@ static gw_status name_columns(reader *r)
 	GW_TRY(text_names_split(&r->names, "x y z", 5, r->error));
 	for (size_t i = 0; i < r->description.scan_count; i++) {
 		const source *s = &r->source[i];
-		for (size_t f = 0; f < s->scan->field_count && s->kept > 0; f++) {
+		for (size_t f = 0; f < s->scan->field_count && s->scan->count > 0; f++) {
 			const char *name = column_name(s, f);
 			if (!name || find_name(&r->names, name) < r->names.count)
 				continue;
@@ -313,13 +150,26 @@ static gw_status name_columns(reader *r)
 	return GW_OK;
 }
 
-static gw_status add_columns(reader *r)
+/* Opens the file: what is in it, but for the records. */
+static gw_status open_scans(reader *r)
 {
+	GW_TRY(e57_pages_open(&r->pages, r->in, r->error));
+	GW_TRY(e57_pages_check(&r->pages, r->error));
+	GW_TRY(e57_description_parse(&r->description, &r->pages, r->in, r->error));
+	r->source = calloc(r->description.scan_count + 1, sizeof *r->source);
+	if (!r->source)
+		return fail_memory(r);
+	for (size_t i = 0; i < r->description.scan_count; i++)
+		GW_TRY(prepare_source(r, i));
 	GW_TRY(name_columns(r));
 	const char *twice = text_names_repeated(&r->names);
-	if (twice)
-		return gw_fail(r->error, GW_ERROR_DATA, "%s: two fields are called '%.40s'", r->in->name,
-					   twice);
+	return twice ? gw_fail(r->error, GW_ERROR_DATA, "%s: two fields are called '%.40s'",
+						   r->in->name, twice)
+				 : GW_OK;
+}
+
+static gw_status add_columns(reader *r)
+{
 	/* A field that takes one bit becomes a double first. */
 	uint64_t bytes, available = gw_available_memory();
 	if (__builtin_mul_overflow((uint64_t)r->cloud->count, 8 * r->names.count + 1, &bytes) ||
@@ -333,7 +183,12 @@ static gw_status add_columns(reader *r)
 
 /* -------------------------------------------------------------------------------- points */
 
-static gw_status read_fields(reader *r, const source *s)
+static void unpack(const reader *r, const source *s, size_t field, double *to)
+{
+	e57_source_unpack(&s->records, field, r->in->threads, to);
+}
+
+static void read_fields(reader *r, const source *s)
 {
 	for (size_t f = 0; f < s->scan->field_count; f++) {
 		const char *name = column_name(s, f);
@@ -345,11 +200,10 @@ static gw_status read_fields(reader *r, const source *s)
 			to->whole = false;
 		if (type != E57_SINGLE)
 			to->single = false;
-		GW_TRY(unpack_field(r, s, f, (double *)to->data + s->first));
+		unpack(r, s, f, (double *)to->data + s->first);
 	}
 	for (size_t k = 0; k < 3; k++)
-		GW_TRY(unpack_field(r, s, s->position[k], (double *)r->column[k].data + s->first));
-	return GW_OK;
+		unpack(r, s, s->position[k], (double *)r->column[k].data + s->first);
 }
 
 /* Records whose state is not 0 have no position. */
@@ -360,11 +214,11 @@ static gw_status read_states(reader *r, const source *s)
 	double *state = reallocarray(NULL, s->kept, sizeof *state);
 	if (!state)
 		return fail_memory(r);
-	gw_status status = unpack_field(r, s, s->invalid, state);
+	unpack(r, s, s->invalid, state);
 	for (size_t i = 0; i < s->kept; i++)
 		r->invalid[s->first + i] = state[i] != 0.0;
 	free(state);
-	return status;
+	return GW_OK;
 }
 
 /* Rows of the rotation matrix of a quaternion of any length; false for none. */
@@ -521,31 +375,65 @@ static gw_status take_scanner(const reader *r, const source *s)
 	return scan_add_scanner(r->cloud, place, s->first, s->kept, r->error);
 }
 
-static gw_status read_all(reader *r)
+/* -------------------------------------------------------------------------------- all at once */
+
+/* The records that a scan holds become points from s->first on. */
+static gw_status read_records(reader *r, size_t index)
 {
-	GW_TRY(e57_pages_read(&r->pages, r->in, r->error));
-	GW_TRY(e57_description_parse(&r->description, &r->pages, r->in, r->error));
-	r->source = calloc(r->description.scan_count + 1, sizeof *r->source);
-	if (!r->source)
-		return fail_memory(r);
-	for (size_t i = 0; i < r->description.scan_count; i++)
-		GW_TRY(prepare_source(r, i));
-	GW_TRY(add_columns(r));
-	for (size_t i = 0; i < r->description.scan_count; i++) {
-		const source *s = &r->source[i];
-		if (s->kept == 0)
-			continue;
-		GW_TRY(read_fields(r, s));
-		GW_TRY(read_states(r, s));
-		GW_TRY(place_points(r, s, i));
-	}
-	leave_out(r);
+	source *s = &r->source[index];
+	read_fields(r, s);
+	GW_TRY(read_states(r, s));
+	return place_points(r, s, index);
+}
+
+static gw_status take_comments(const reader *r)
+{
 	for (size_t c = 0; c < r->description.comment_count; c++)
 		GW_TRY(scan_add_comment(r->cloud, r->description.comment[c], r->error));
+	return GW_OK;
+}
+
+static gw_status read_all(reader *r)
+{
+	GW_TRY(open_scans(r));
+	r->cloud->count = (size_t)r->count;
+	GW_TRY(add_columns(r));
+	size_t first = 0;
+	for (size_t i = 0; i < r->description.scan_count; i++) {
+		source *s = &r->source[i];
+		if (s->scan->count == 0)
+			continue;
+		GW_TRY(e57_source_take(&s->records, (size_t)s->scan->count, r->error));
+		s->first = first;
+		s->kept = s->records.held;
+		first += s->kept;
+		GW_TRY(read_records(r, i));
+		e57_source_clear(&s->records);
+	}
+	leave_out(r);
+	GW_TRY(take_comments(r));
 	GW_TRY(text_columns_narrow(r->cloud, &r->names, r->column, r->error));
 	for (size_t i = 0; i < r->description.scan_count; i++)
 		GW_TRY(take_scanner(r, &r->source[i]));
 	return GW_OK;
+}
+
+static void clear_points(reader *r)
+{
+	free(r->column);
+	free(r->invalid);
+	r->column = NULL;
+	r->invalid = NULL;
+}
+
+static void clear_reader(reader *r)
+{
+	for (size_t i = 0; r->source && i < r->description.scan_count; i++)
+		e57_source_clear(&r->source[i].records);
+	free(r->source);
+	clear_points(r);
+	text_names_clear(&r->names);
+	e57_description_clear(&r->description);
 }
 
 gw_status e57_read(input_file *in, scan *cloud, gw_error *error)
@@ -553,18 +441,130 @@ gw_status e57_read(input_file *in, scan *cloud, gw_error *error)
 	reader r = { .in = in, .cloud = cloud, .error = error };
 	*cloud = (scan){ .up = 'z' };
 	gw_status status = read_all(&r);
-	for (size_t i = 0; r.source && i < r.description.scan_count; i++)
-		free(r.source[i].bytes);
-	free(r.source);
-	free(r.column);
-	free(r.invalid);
-	text_names_clear(&r.names);
-	e57_description_clear(&r.description);
-	e57_pages_clear(&r.pages);
+	clear_reader(&r);
 	if (status != GW_OK)
 		scan_clear(cloud);
 	return status;
 }
+
+/* ------------------------------------------------------------------------------ piece by piece */
+
+/* A file that is read so. */
+typedef struct stream {
+	reader reader;
+	size_t scan;     /* that comes next */
+	double *scanner; /* owned; 3 each: where the scanner of each stood, */
+	bool *known;     /* owned; if that is known, which the first piece tells */
+} stream;
+
+/* Where a scan's scanner stood, its first piece tells all others. */
+static gw_status take_same_scanner(stream *t, size_t index, bool first)
+{
+	const reader *r = &t->reader;
+	const source *s = &r->source[index];
+	double *place = t->scanner + 3 * index;
+	if (first) {
+		GW_TRY(take_scanner(r, s));
+		t->known[index] = r->cloud->scanner_count > 0;
+		if (t->known[index])
+			memcpy(place, r->cloud->scanner, 3 * sizeof *place);
+		return GW_OK;
+	}
+	return t->known[index] ? scan_add_scanner(r->cloud, place, 0, s->kept, r->error) : GW_OK;
+}
+
+static gw_status read_piece(stream *t, size_t most)
+{
+	reader *r = &t->reader;
+	source *s = &r->source[t->scan];
+	bool first = s->records.taken == 0;
+	size_t number = t->scan;
+	GW_TRY(e57_source_take(&s->records, most, r->error));
+	s->first = 0;
+	s->kept = r->cloud->count = s->records.held;
+	GW_TRY(add_columns(r));
+	GW_TRY(read_records(r, number));
+	leave_out(r);
+	GW_TRY(take_comments(r));
+	GW_TRY(text_columns_narrow(r->cloud, &r->names, r->column, r->error));
+	return take_same_scanner(t, number, first);
+}
+
+/* The next scan that has records left; false when there is none. */
+static bool find_scan(stream *t)
+{
+	const reader *r = &t->reader;
+	while (t->scan < r->description.scan_count) {
+		source *s = &r->source[t->scan];
+		if (s->records.taken < s->scan->count)
+			return true;
+		e57_source_clear(&s->records);
+		s->kept = 0;
+		t->scan++;
+	}
+	return false;
+}
+
+static gw_status stream_next(void *state, size_t most, scan *piece, gw_error *error)
+{
+	stream *t = state;
+	reader *r = &t->reader;
+	gw_status status = GW_OK;
+	r->cloud = piece;
+	r->error = error;
+	*piece = (scan){ .up = 'z' };
+	/* A piece without a point would say that there are no more. */
+	while (status == GW_OK && piece->count == 0 && find_scan(t)) {
+		uint64_t left_out = piece->left_out;
+		scan_clear(piece);
+		*piece = (scan){ .up = 'z', .left_out = left_out };
+		status = read_piece(t, most);
+		clear_points(r);
+	}
+	if (status != GW_OK)
+		scan_clear(piece);
+	return status;
+}
+
+static gw_status stream_open(input_file *in, void **state, gw_error *error)
+{
+	stream *t = calloc(1, sizeof *t);
+	*state = t;
+	if (!t)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to read %s", in->name);
+	t->reader = (reader){ .in = in, .error = error };
+	GW_TRY(open_scans(&t->reader));
+	size_t count = t->reader.description.scan_count + 1;
+	t->scanner = calloc(count, 3 * sizeof *t->scanner);
+	t->known = calloc(count, sizeof *t->known);
+	return t->scanner && t->known ? GW_OK : fail_memory(&t->reader);
+}
+
+static void stream_close(void *state)
+{
+	stream *t = state;
+	if (!t)
+		return;
+	clear_reader(&t->reader);
+	free(t->scanner);
+	free(t->known);
+	free(t);
+}
+
+/* By the description alone: damage is told by who reads the records. */
+static uint64_t stream_guess(input_file *in)
+{
+	reader r = { .in = in };
+	uint64_t count = 0;
+	if (e57_pages_open(&r.pages, in, NULL) == GW_OK &&
+		e57_description_parse(&r.description, &r.pages, in, NULL) == GW_OK)
+		for (size_t i = 0; i < r.description.scan_count; i++)
+			count += r.description.scan[i].count;
+	e57_description_clear(&r.description);
+	return count;
+}
+
+static const format_stream e57_stream = { stream_guess, stream_open, stream_next, stream_close };
 
 static bool probe(const uint8_t *head, size_t length)
 {
@@ -579,6 +579,7 @@ const format e57_format = {
 	.extensions = extensions,
 	.probe = probe,
 	.read = e57_read,
+	.stream = &e57_stream,
 	.write = e57_write,
 	.parted = &e57_parted,
 };

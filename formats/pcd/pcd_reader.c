@@ -513,6 +513,60 @@ gw_status pcd_read(input_file *in, scan *cloud, gw_error *error)
 	return status;
 }
 
+/* Whether points can be read from anywhere: in a picture, all of them tell where its camera was. */
+static bool has_parts(const input_file *in, const pcd_header *h)
+{
+	bool picture = h->height > 1 && h->width > 1;
+	return h->encoding == PCD_BINARY && !picture && h->stride > 0 &&
+		   h->points <= (in->length - h->body) / h->stride;
+}
+
+static uint64_t pcd_count_rows(input_file *in, uint64_t *together)
+{
+	pcd_header header;
+	scan comments = { .up = 'z' };
+	uint64_t count = 0;
+	*together = 1;
+	if (pcd_header_parse(&header, in, &comments, NULL) == GW_OK) {
+		count = has_parts(in, &header) ? header.points : 0;
+		pcd_header_clear(&header);
+	}
+	scan_clear(&comments);
+	return count;
+}
+
+/* Some points as if the file had no others, but for what is said of all. */
+static gw_status read_part(reader *r, pcd_header *header, const format_rows *rows)
+{
+	uint64_t left = rows->first < header->points ? header->points - rows->first : 0;
+	GW_TRY(note_rest(r));
+	r->body += (left > 0 ? rows->first : 0) * header->stride;
+	header->points = rows->count < left ? rows->count : left;
+	GW_TRY(read_body(r));
+	return take_viewpoint(header, r->cloud, r->error);
+}
+
+static gw_status pcd_read_rows(input_file *in, const format_rows *rows, scan *cloud,
+							   gw_error *error)
+{
+	pcd_header header;
+	*cloud = (scan){ .up = 'z' };
+	gw_status status = pcd_header_parse(&header, in, cloud, error);
+	if (status == GW_OK) {
+		reader r = { .in = in,
+					 .header = &header,
+					 .body = in->data + header.body,
+					 .end = in->data + in->length,
+					 .cloud = cloud,
+					 .error = error };
+		status = read_part(&r, &header, rows);
+		pcd_header_clear(&header);
+	}
+	if (status != GW_OK)
+		scan_clear(cloud);
+	return status;
+}
+
 static bool probe(const uint8_t *head, size_t length)
 {
 	static const char *const starts[] = { "# .PCD", "VERSION ", "FIELDS ", "COLUMNS " };
@@ -532,6 +586,8 @@ const format pcd_format = {
 	.extensions = extensions,
 	.probe = probe,
 	.read = pcd_read,
+	.count_rows = pcd_count_rows,
+	.read_rows = pcd_read_rows,
 	.write = pcd_write,
 	.parted = &pcd_parted,
 };

@@ -72,6 +72,22 @@ typedef struct format_parted {
 							const format_loose *rows, gw_error *error);
 } format_parted;
 
+/* How a file is read once from its begin to its end, some points at a time. */
+typedef struct format_stream {
+	/* How many points it has, about. */
+	uint64_t (*guess)(struct input_file *in);
+
+	/* Begins. What *state receives is given back by close, also on failure. */
+	gw_status (*open)(struct input_file *in, void **state, gw_error *error);
+
+	/* Reads the next points, at most so many, as read would have them, but that it doesn't look
+	 * which pictures they make, and columns may be of narrower types than others hold. No points:
+	 * they are all read. On failure *piece is empty. */
+	gw_status (*next)(void *state, size_t most, scan *piece, gw_error *error);
+
+	void (*close)(void *state); /* NULL is accepted */
+} format_stream;
+
 typedef struct format {
 	const char *name;              /* "ply", as on the command line */
 	const char *description;       /* for --help, a few words */
@@ -114,6 +130,9 @@ typedef struct format {
 	/* Whether read may find more in all points than settle_rows in some of them, which are as they
 	 * were read: where scanners were. NULL: never. */
 	bool (*needs_all)(const scan *some, const format_seen *seen);
+
+	/* How it is read some points at a time where it cannot be read in parts, or NULL. */
+	const format_stream *stream;
 
 	/* Whether the format can hold the coordinates of a scan; NULL: those of any.
 	 *   name   of the file, for messages */

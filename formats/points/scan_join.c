@@ -16,8 +16,7 @@ static bool is_signed(scan_type type)
 	return type == SCAN_INT8 || type == SCAN_INT16 || type == SCAN_INT32;
 }
 
-/* The smallest type that holds every value of both. */
-static scan_type widen(scan_type a, scan_type b)
+scan_type scan_type_widen(scan_type a, scan_type b)
 {
 	if (a == b)
 		return a;
@@ -106,7 +105,7 @@ static gw_status join_column(const join *j, const char *name, gw_error *error)
 	int channel;
 	const scan_column *a = scan_find(j->head, name), *b = scan_find(j->tail, name);
 	const color_match *match = a && b ? find_match(j, name, &channel) : NULL;
-	scan_type type = a && b ? widen(a->type, b->type) : a ? a->type : b->type;
+	scan_type type = a && b ? scan_type_widen(a->type, b->type) : a ? a->type : b->type;
 	scan_column *to = scan_add_column(j->joined, name, match ? match->type : type, error);
 	if (!to)
 		return GW_ERROR_MEMORY;

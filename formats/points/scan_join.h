@@ -14,6 +14,9 @@
  */
 gw_status scan_append(scan *scan, const struct scan *tail, gw_error *error);
 
+/* The smallest type that holds every value of both. */
+scan_type scan_type_widen(scan_type a, scan_type b);
+
 /* Another scan with all that one holds; *copy is the caller's on success, and empty on failure:
  * GW_ERROR_MEMORY. */
 gw_status scan_copy(const scan *from, scan *copy, gw_error *error);

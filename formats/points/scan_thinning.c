@@ -153,6 +153,8 @@ static gw_status open_kept(scan_thinning *t, const scan *part, const views *v, g
 			return GW_ERROR_MEMORY;
 	for (size_t k = 0; k < part->scanner_count; k++)
 		GW_TRY(scan_add_scanner(&t->kept, part->scanner + 3 * k, 0, t->room, error));
+	if (part->scanner_of)
+		GW_TRY(scan_part_scanners(&t->kept, error));
 	t->kept.count = 0;
 	t->mask = 1023;
 	while (t->mask < 2 * (uint64_t)t->room)
@@ -177,6 +179,7 @@ static gw_status check_columns(const scan_thinning *t, const scan *part, gw_erro
 	for (size_t c = 0; same && c < part->column_count; c++)
 		same = t->kept.column[c].type == part->column[c].type &&
 			   strcmp(t->kept.column[c].name, part->column[c].name) == 0;
+	same = same && (part->scanner_of || !t->kept.scanner_of);
 	return same ? GW_OK : gw_fail(error, GW_ERROR_DATA, "parts of a cloud have different columns");
 }
 
@@ -258,14 +261,17 @@ static void find_wider(void *user, size_t first, size_t last, uint32_t worker)
 	}
 }
 
-/* Rows move down only, so that none is overwritten before it was moved. */
+/* Rows move down only, so that none is overwritten before it was moved. Which scanners saw points
+ * is one column more. */
 static void move_columns(void *user, size_t first, size_t last, uint32_t worker)
 {
 	const scan_thinning *t = user;
+	const scan *kept = &t->kept;
 	(void)worker;
 	for (size_t c = first; c < last; c++) {
-		size_t size = scan_type_size(t->kept.column[c].type);
-		void *data = t->kept.column[c].data;
+		bool seen = c == kept->column_count;
+		size_t size = seen ? sizeof *kept->scanner_of : scan_type_size(kept->column[c].type);
+		void *data = seen ? kept->scanner_of : kept->column[c].data;
 		for (size_t row = 0; row < t->kept.count; row++)
 			copy_value(data, row, data, t->from[row] - 1, size);
 	}
@@ -288,7 +294,8 @@ static void widen(scan_thinning *t)
 		if (row < t->room)
 			t->from[row] = (uint32_t)i + 1;
 	}
-	gw_parallel_for(t->threads, t->kept.column_count, 1, move_columns, t);
+	size_t columns = t->kept.column_count + (t->kept.scanner_of != NULL);
+	gw_parallel_for(t->threads, columns, 1, move_columns, t);
 	memset(t->from, 0, t->kept.count * sizeof *t->from);
 }
 
@@ -444,6 +451,10 @@ static void copy_rows(void *user, size_t first, size_t last, uint32_t worker)
 			uint32_t row = t->part.row[k];
 			copy_value(t->kept.column[c].data, row, from, t->from[row] - 1, size);
 		}
+	}
+	for (size_t k = first; k < last && t->kept.scanner_of; k++) {
+		uint32_t row = t->part.row[k];
+		t->kept.scanner_of[row] = job->part->scanner_of[t->from[row] - 1];
 	}
 	for (size_t k = first; k < last; k++)
 		t->from[t->part.row[k]] = 0;

@@ -11,10 +11,11 @@
  * the same by any number of threads: these look which points may be kept, and one after the other
  * those are.
  *
- * A point that is kept has all that it had in the scan, but for emission_r and its fellows where
- * these are fractions: these become the mean of all points of its cube, so that as much is emitted
- * as before. A lamp of a few points would else be lost, or be as large as a cube. Its albedo is
- * that of one point of many hundred that together light another one, which is no matter.
+ * A point that is kept has all that it had in the scan, with which scanner saw it, but for
+ * emission_r and its fellows where these are fractions: these become the mean of all points of its
+ * cube, so that as much is emitted as before. A lamp of a few points would else be lost, or be as
+ * large as a cube. Its albedo is that of one point of many hundred that together light another one,
+ * which is no matter.
  */
 #ifndef SCAN_THINNING_H
 #define SCAN_THINNING_H

@@ -17,12 +17,30 @@ static bool can_be_read_twice(const char *path)
 		   info.st_size > 0;
 }
 
+static format_parts no_parts(void)
+{
+	return (format_parts){ .found = NULL,
+						   .minimum = { INFINITY, INFINITY, INFINITY },
+						   .maximum = { -INFINITY, -INFINITY, -INFINITY } };
+}
+
+/* Of points that were gathered all is known that their files say. */
+static const format gathered_format = { .name = "gathered points" };
+
+void format_parts_of_gathered(gathered_points *gathered, const char *name, format_parts *parts)
+{
+	*parts = no_parts();
+	parts->gathered = gathered;
+	parts->in.name = name;
+	parts->found = &gathered_format;
+	parts->count = gathered_points_count(gathered);
+	parts->together = 1;
+}
+
 gw_status format_parts_open(const char *path, const format_options *options, format_parts *parts,
 							gw_error *error)
 {
-	*parts = (format_parts){ .found = NULL,
-							 .minimum = { INFINITY, INFINITY, INFINITY },
-							 .maximum = { -INFINITY, -INFINITY, -INFINITY } };
+	*parts = no_parts();
 	if (!can_be_read_twice(path))
 		return GW_OK;
 	GW_TRY(input_file_open_as(&parts->in, path, 0, 0, error));
@@ -41,6 +59,8 @@ static gw_status read_part(format_parts *parts, uint64_t first, size_t count, sc
 {
 	uint64_t left = first < parts->count ? parts->count - first : 0;
 	const format_rows rows = { first, count < left ? count : left };
+	if (parts->gathered)
+		return gathered_points_read(parts->gathered, first, (size_t)rows.count, part, error);
 	gw_status status = parts->found->read_rows(&parts->in, &rows, part, error);
 	status = input_file_check(&parts->in, status, error);
 	return format_finish(part, status, error);
@@ -175,6 +195,7 @@ gw_status format_whole_row(const format *to, const format_whole *whole, const sc
 void format_parts_close(format_parts *parts)
 {
 	input_file_close(&parts->in);
+	gathered_points_close(&parts->gathered);
 	free(parts->zero);
 	free(parts->left_out);
 	*parts = (format_parts){ .found = NULL };

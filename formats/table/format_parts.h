@@ -1,17 +1,20 @@
 /*
- * format_parts.h - a file's points part by part, for those that memory does not hold at once.
+ * format_parts.h - a file's points part by part, or those of several that were gathered, for those
+ * that memory does not hold at once.
  */
 #ifndef FORMAT_PARTS_H
 #define FORMAT_PARTS_H
 
 #include "files/input_file.h"
 #include "points/format.h"
+#include "table/gathered_points.h"
 
 typedef struct format_parts {
 	input_file in;
-	const format *found; /* NULL: the file cannot be read in parts */
-	uint64_t count;      /* points of the file */
-	uint64_t together;   /* that are read at once: see format.count_rows */
+	const format *found;       /* NULL: the file cannot be read in parts */
+	gathered_points *gathered; /* owned; NULL, or in place of the file */
+	uint64_t count;            /* points of the file */
+	uint64_t together;         /* that are read at once: see format.count_rows */
 	/* Of the columns that parts come with: */
 	bool *zero;     /* 0 at all points that were read */
 	bool *left_out; /* not in what was kept; NULL: none yet */
@@ -29,6 +32,12 @@ typedef struct format_parts {
  */
 gw_status format_parts_open(const char *path, const format_options *options, format_parts *parts,
 							gw_error *error);
+
+/*
+ * The same of points that were gathered; `name` stands for their file in messages, and lives as
+ * long. gathered   all are there; taken
+ */
+void format_parts_of_gathered(gathered_points *gathered, const char *name, format_parts *parts);
 
 /*
  * Reads the points [first, first + count), or those of them that there are; what else the file says

@@ -2,8 +2,8 @@
  * PTS: counts on lines of their own, and rows of x y z, intensity, red green blue.
  */
 #include "files/number_text.h"
-#include "text/text_columns.h"
 #include "text/text_formats.h"
+#include "text/text_stream.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -11,78 +11,50 @@
 
 #define HEAD_BYTES (1 << 16)
 
-/* Adds up the lines of one number. False when one of them is no count. */
-static bool sum_counts(const text_rows *rows, size_t most, double *sum)
+static gw_status open_table(const input_file *in, text_stream *s, gw_error *error)
 {
-	const char *at = rows->begin, *line;
-	size_t length, found = 0;
-	*sum = 0.0;
-	while (found < most && text_rows_next_line(&at, rows->end, rows->newline, &line, &length)) {
-		double value;
-		if (text_rows_is_empty(line, length) ||
-			text_rows_numbers(line, length < 64 ? length : 64, rows->separator, &value, 1) != 1)
-			continue;
-		if (!(value >= 0.0 && value == trunc(value)))
-			return false;
-		*sum += value;
-		found++;
-	}
-	return true;
-}
-
-/* The counts, if there are any, must agree with the rows. */
-static gw_status check_counts(const text_rows *rows, gw_error *error)
-{
-	double sum = 0.0;
-	if (rows->skipped == 0)
-		return GW_OK;
-	if (!sum_counts(rows, rows->skipped, &sum))
-		return gw_fail(error, GW_ERROR_DATA,
-					   "%s: a line with a single number is no count of points", rows->in->name);
-	if (sum != (double)rows->count)
-		return gw_fail(error, GW_ERROR_DATA,
-					   "%s: lines with a single number count %.0f points, but %zu follow; the file "
-					   "is cut short, or the count is wrong: read it with --format xyz after "
-					   "removing that line",
-					   rows->in->name, sum, rows->count);
-	return GW_OK;
-}
-
-static gw_status read_rows(text_rows *rows, const text_names *names, scan *cloud, gw_error *error)
-{
-	GW_TRY(text_rows_count(rows, error));
-	gw_status status = check_counts(rows, error);
-	cloud->count = rows->count;
-	if (status == GW_OK)
-		status = text_columns_read(rows, names, cloud, error);
-	text_rows_clear(rows);
-	return status;
-}
-
-gw_status pts_read(input_file *in, scan *cloud, gw_error *error)
-{
-	const char *text = text_rows_begin(in->data, in->length);
+	const char *text = text_rows_begin(in->data, in->length), *line;
 	const char *end = (const char *)in->data + in->length;
 	text_rows rows = {
 		.in = in, .begin = text, .end = end, .first_line = 1, .skip = TEXT_ROWS_SKIP_SINGLE
 	};
 	text_names names = { 0 };
-	*cloud = (scan){ .up = 'z' };
-	rows.newline = text_rows_newline(text, end);
-	const char *line;
 	size_t length;
-	bool any = text_rows_first(&rows, &line, &length);
-	if (any)
-		rows.separator = text_rows_separator(line, length);
-	gw_status status = any ? text_names_guess(&names, &rows, true, error)
-						   : gw_fail(error, GW_ERROR_DATA, "%s holds no points", in->name);
-	if (status == GW_OK)
-		status = read_rows(&rows, &names, cloud, error);
+	*s = (text_stream){ .end = NULL };
+	rows.newline = text_rows_newline(text, end);
+	if (!text_rows_first(&rows, &line, &length))
+		return gw_fail(error, GW_ERROR_DATA, "%s holds no points", in->name);
+	rows.separator = text_rows_separator(line, length);
+	gw_status status = text_names_guess(&names, &rows, true, error);
+	if (status == GW_OK) {
+		*s = text_stream_make(&rows, &names);
+		s->counted = true;
+	}
 	text_names_clear(&names);
-	if (status != GW_OK)
-		scan_clear(cloud);
 	return status;
 }
+
+gw_status pts_read(input_file *in, scan *cloud, gw_error *error)
+{
+	text_stream s;
+	*cloud = (scan){ .up = 'z' };
+	gw_status status = open_table(in, &s, error);
+	if (status == GW_OK)
+		status = text_stream_next(&s, SIZE_MAX, cloud, error);
+	text_stream_clear(&s);
+	return status;
+}
+
+static gw_status stream_open(input_file *in, void **state, gw_error *error)
+{
+	text_stream *s;
+	GW_TRY(text_stream_new(in, &s, error));
+	*state = s;
+	return open_table(in, s, error);
+}
+
+static const format_stream pts_stream = { text_stream_guess, stream_open, text_stream_next_piece,
+										  text_stream_free };
 
 /* A count, and then a row of numbers. */
 static bool probe(const uint8_t *data, size_t length)
@@ -108,4 +80,5 @@ const format pts_format = {
 	.extensions = extensions,
 	.probe = probe,
 	.read = pts_read,
+	.stream = &pts_stream,
 };

@@ -8,6 +8,7 @@
 #include "points/scan_origin.h"
 #include "text/text_columns.h"
 #include "text/text_formats.h"
+#include "text/text_stream.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -124,10 +125,10 @@ static size_t row_width(const text_rows *rows)
 	return any ? text_rows_numbers(line, length, ' ', value, 16) : 3;
 }
 
-static gw_status take_grid(reader *r)
+/* The cells of a grid, whose lines are the next ones. */
+static gw_status take_cells(reader *r, grid *header)
 {
-	grid g = { 0 };
-	GW_TRY(take_header(r, &g));
+	grid g = *header;
 	g.rows = (text_rows){ .in = r->in,
 						  .begin = r->at,
 						  .first_line = r->line,
@@ -151,6 +152,13 @@ static gw_status take_grid(reader *r)
 	return GW_OK;
 }
 
+static gw_status take_grid(reader *r)
+{
+	grid g = { 0 };
+	GW_TRY(take_header(r, &g));
+	return take_cells(r, &g);
+}
+
 static bool at_end(const reader *r)
 {
 	reader ahead = *r;
@@ -159,18 +167,23 @@ static bool at_end(const reader *r)
 	return !next_line(&ahead, &line, &length);
 }
 
-static gw_status take_grids(reader *r)
+static void number_points(const reader *r)
 {
-	gw_status status = GW_OK;
-	do
-		status = take_grid(r);
-	while (status == GW_OK && !at_end(r));
 	for (size_t i = 0; i < r->grid_count; i++) {
 		grid *g = &r->grid[i];
 		g->first = r->cloud->count;
 		r->cloud->count += g->rows.count;
 		r->cloud->left_out += g->rows.skipped;
 	}
+}
+
+static gw_status take_grids(reader *r)
+{
+	gw_status status = GW_OK;
+	do
+		status = take_grid(r);
+	while (status == GW_OK && !at_end(r));
+	number_points(r);
 	return status;
 }
 
@@ -322,39 +335,149 @@ static gw_status take_scanners(const reader *r)
 	return GW_OK;
 }
 
-static gw_status read_all(reader *r, text_names *names, text_column **column)
+/* From the grids that were taken to points. */
+static gw_status read_grids(reader *r)
 {
-	GW_TRY(take_grids(r));
-	GW_TRY(name_columns(r, names));
-	GW_TRY(text_columns_add(r->cloud, names, column, r->error));
-	GW_TRY(read_points(r, names, *column));
-	return take_scanners(r);
+	text_names names = { 0 };
+	text_column *column = NULL;
+	gw_status status = name_columns(r, &names);
+	if (status == GW_OK)
+		status = text_columns_add(r->cloud, &names, &column, r->error);
+	if (status == GW_OK)
+		status = read_points(r, &names, column);
+	free(column);
+	text_names_clear(&names);
+	return status;
+}
+
+static void clear_grids(reader *r)
+{
+	for (size_t i = 0; i < r->grid_count; i++)
+		text_rows_clear(&r->grid[i].rows);
+	r->grid_count = 0;
+}
+
+static reader reader_of(const input_file *in, gw_error *error)
+{
+	const char *text = text_rows_begin(in->data, in->length);
+	const char *end = (const char *)in->data + in->length;
+	return (reader){ .in = in,
+					 .at = text,
+					 .end = end,
+					 .line = 1,
+					 .newline = text_rows_newline(text, end),
+					 .error = error };
 }
 
 gw_status ptx_read(input_file *in, scan *cloud, gw_error *error)
 {
-	const char *text = text_rows_begin(in->data, in->length);
-	const char *end = (const char *)in->data + in->length;
-	reader r = { .in = in,
-				 .at = text,
-				 .end = end,
-				 .line = 1,
-				 .newline = text_rows_newline(text, end),
-				 .cloud = cloud,
-				 .error = error };
-	text_names names = { 0 };
-	text_column *column = NULL;
+	reader r = reader_of(in, error);
+	r.cloud = cloud;
 	*cloud = (scan){ .up = 'z' };
-	gw_status status = read_all(&r, &names, &column);
-	for (size_t i = 0; i < r.grid_count; i++)
-		text_rows_clear(&r.grid[i].rows);
+	gw_status status = take_grids(&r);
+	if (status == GW_OK)
+		status = read_grids(&r);
+	if (status == GW_OK)
+		status = take_scanners(&r);
+	clear_grids(&r);
 	free(r.grid);
-	free(column);
-	text_names_clear(&names);
 	if (status != GW_OK)
 		scan_clear(cloud);
 	return status;
 }
+
+/* ------------------------------------------------------------------------------ piece by piece */
+
+/* A file that is read so: some columns of a grid at a time, which are a grid of their own. */
+typedef struct stream {
+	reader reader;
+	grid grid;         /* the one that is being read: its header */
+	bool begun;        /* there is one */
+	double left;       /* columns of it */
+	bool looked;       /* its first piece told where its scanner stood: */
+	bool known;        /* whether it is known, */
+	double scanner[3]; /* and where */
+} stream;
+
+static gw_status next_grid(stream *t)
+{
+	t->grid = (grid){ .first = 0 };
+	t->begun = true;
+	t->looked = t->known = false;
+	GW_TRY(take_header(&t->reader, &t->grid));
+	t->left = t->grid.size[1] > 0.0 ? t->grid.size[0] : 0.0;
+	return GW_OK;
+}
+
+/* Where a grid's scanner stood, its first piece tells all others. */
+static gw_status take_same_scanner(stream *t)
+{
+	const reader *r = &t->reader;
+	if (!t->looked) {
+		GW_TRY(take_scanners(r));
+		t->looked = true;
+		t->known = r->cloud->scanner_count > 0;
+		if (t->known)
+			memcpy(t->scanner, r->cloud->scanner, sizeof t->scanner);
+		return GW_OK;
+	}
+	return t->known ? scan_add_scanner(r->cloud, t->scanner, 0, r->cloud->count, r->error) : GW_OK;
+}
+
+static gw_status read_columns(stream *t, size_t most)
+{
+	reader *r = &t->reader;
+	grid g = t->grid;
+	double columns = fmax(floor((double)most / g.size[1]), 1.0);
+	g.size[0] = fmin(columns, t->left);
+	t->left -= g.size[0];
+	GW_TRY(take_cells(r, &g));
+	number_points(r);
+	if (r->cloud->count == 0)
+		return GW_OK;
+	GW_TRY(read_grids(r));
+	return take_same_scanner(t);
+}
+
+static gw_status stream_next(void *state, size_t most, scan *piece, gw_error *error)
+{
+	stream *t = state;
+	reader *r = &t->reader;
+	gw_status status = GW_OK;
+	r->cloud = piece;
+	r->error = error;
+	*piece = (scan){ .up = 'z' };
+	while (status == GW_OK && piece->count == 0 && (t->left > 0.0 || !t->begun || !at_end(r))) {
+		const char *before = r->at;
+		status = t->left > 0.0 ? read_columns(t, most) : next_grid(t);
+		clear_grids(r);
+		input_file_release(r->in, before, r->at);
+	}
+	if (status != GW_OK)
+		scan_clear(piece);
+	return status;
+}
+
+static gw_status stream_open(input_file *in, void **state, gw_error *error)
+{
+	stream *t = calloc(1, sizeof *t);
+	*state = t;
+	if (!t)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to read %s", in->name);
+	t->reader = reader_of(in, error);
+	return GW_OK;
+}
+
+static void stream_close(void *state)
+{
+	stream *t = state;
+	if (t)
+		free(t->reader.grid);
+	free(t);
+}
+
+static const format_stream ptx_stream = { text_stream_guess, stream_open, stream_next,
+										  stream_close };
 
 /* Lines of one, one, four times three and four times four numbers. */
 static bool probe(const uint8_t *data, size_t length)
@@ -381,4 +504,5 @@ const format ptx_format = {
 	.extensions = extensions,
 	.probe = probe,
 	.read = ptx_read,
+	.stream = &ptx_stream,
 };

@@ -2,8 +2,8 @@
  * XYZ and CSV: tables of which nobody says what they hold but their first line, if that.
  */
 #include "files/number_text.h"
-#include "text/text_columns.h"
 #include "text/text_formats.h"
+#include "text/text_stream.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -167,39 +167,55 @@ static gw_status take_comments(const text_rows *rows, const char *names, scan *c
 	return status;
 }
 
-static gw_status read_table(text_rows *rows, const text_names *names, scan *cloud, gw_error *error)
-{
-	rows->width = names->count;
-	GW_TRY(text_rows_count(rows, error));
-	cloud->count = rows->count;
-	cloud->left_out = rows->skipped;
-	gw_status status = text_columns_read(rows, names, cloud, error);
-	text_rows_clear(rows);
-	return status;
-}
-
-static gw_status read_named(text_rows *rows, text_names *names, scan *cloud, gw_error *error)
+static gw_status open_named(text_rows *rows, text_names *names, text_stream *s, gw_error *error)
 {
 	const char *comment = NULL;
+	scan facts = { .count = 0 };
 	GW_TRY(find_names(rows, names, &comment, error));
-	GW_TRY(take_comments(rows, comment, cloud, error));
-	return read_table(rows, names, cloud, error);
+	gw_status status = take_comments(rows, comment, &facts, error);
+	if (status != GW_OK) {
+		scan_clear(&facts);
+		return status;
+	}
+	*s = text_stream_make(rows, names);
+	s->facts = facts;
+	return GW_OK;
 }
 
-gw_status xyz_read(input_file *in, scan *cloud, gw_error *error)
+static gw_status open_table(const input_file *in, text_stream *s, gw_error *error)
 {
 	const char *text = text_rows_begin(in->data, in->length);
 	const char *end = (const char *)in->data + in->length;
 	text_rows rows = { .in = in, .begin = text, .end = end, .first_line = 1 };
 	text_names names = { 0 };
-	*cloud = (scan){ .up = 'z' };
+	*s = (text_stream){ .end = NULL };
 	rows.newline = text_rows_newline(text, end);
-	gw_status status = read_named(&rows, &names, cloud, error);
+	gw_status status = open_named(&rows, &names, s, error);
 	text_names_clear(&names);
-	if (status != GW_OK)
-		scan_clear(cloud);
 	return status;
 }
+
+gw_status xyz_read(input_file *in, scan *cloud, gw_error *error)
+{
+	text_stream s;
+	*cloud = (scan){ .up = 'z' };
+	gw_status status = open_table(in, &s, error);
+	if (status == GW_OK)
+		status = text_stream_next(&s, SIZE_MAX, cloud, error);
+	text_stream_clear(&s);
+	return status;
+}
+
+static gw_status stream_open(input_file *in, void **state, gw_error *error)
+{
+	text_stream *s;
+	GW_TRY(text_stream_new(in, &s, error));
+	*state = s;
+	return open_table(in, s, error);
+}
+
+static const format_stream xyz_stream = { text_stream_guess, stream_open, text_stream_next_piece,
+										  text_stream_free };
 
 /* ------------------------------------------------------------------------------- the formats */
 
@@ -232,6 +248,7 @@ const format xyz_format = {
 	.probe = probe,
 	.unspecific = true,
 	.read = xyz_read,
+	.stream = &xyz_stream,
 	.text = true,
 	.write = xyz_write,
 	.parted = &xyz_parted,
@@ -244,6 +261,7 @@ const format csv_format = {
 	.description = "table of text with a first line of names, columns parted by commas",
 	.extensions = csv_extensions,
 	.read = xyz_read,
+	.stream = &xyz_stream,
 	.text = true,
 	.write = csv_write,
 	.parted = &csv_parted,

@@ -55,8 +55,7 @@ fi
 run 2 bake cave.ply --light 'sky radiance 1' --tiles 3 -o lit.vdb.ply --vdb grids.vdb
 run 2 bake cave.ply --light 'sky radiance 1' --tiles 3 -o -
 run 2 bake cave.ply --light 'sky radiance 1' --tiles 3 --region 'box 0,0,0 1,1,1' -o region.ply
-glowworm convert cave.ply cave.csv
-run 2 bake cave.csv --light 'sky radiance 1' --tiles 3 -o csv.ply
+run 2 bake - --light 'sky radiance 1' --tiles 3 -o pipe.ply <cave.ply
 run 2 bake cave.ply --light 'sky radiance 1' --tiles 3 --memory 250M -o small.ply
 ls ./*.tiles* ./*.resume ./*.part 2>/dev/null
 true
