@@ -715,12 +715,12 @@ const option options[] = {
 	  .scene = true, AT(bake.threads), RANGE(1.0, 256.0), AUTOMATIC(0.0), .group = "Machine",
 	  .help = "that work; auto is one a core. The result is the same for any number" },
 	{ "memory", 0, "SIZE", OPTION_SIZE, QUIETLY,
-	  FOR(BAKE | PLAN | TRADEOFF | RENDER | DOCTOR | ALBEDO | PROBES), OFTEN(BAKE | PLAN),
-	  .scene = true, AT(bake.memory), AUTOMATIC(0.0), .group = "Machine",
+	  FOR(BAKE | PLAN | TRADEOFF | RENDER | MEASURE | PAGE | DOCTOR | ALBEDO | PROBES),
+	  OFTEN(BAKE | PLAN), .scene = true, AT(bake.memory), AUTOMATIC(0.0), .group = "Machine",
 	  .help = "bytes that a bake may use, with K, M, G or T behind the number; auto is most of "
 			  "what is free. Where they do not hold all points, as many make the surface as "
 			  "fit; of clouds from files, baked to PLY, LAS, LAZ, E57 or PCD, the others are never "
-			  "all in memory, and pictures show as many as fit" },
+			  "all in memory; pictures, measures and probes are of as many as fit" },
 	{ "surface-points", 0, "N", OPTION_COUNT, FOR(BAKE | PLAN), .scene = true,
 	  AT(bake.surface_points), RANGE(1.0, 1e9), AUTOMATIC(0.0), .group = "Machine",
 	  .help = "points that the surface is made of at most, thinned most where they are densest; "

@@ -2,6 +2,7 @@
 #include "options/preview.h"
 #include "result/lit_lamps.h"
 #include "points/scan_color.h"
+#include "scene/thinned_scene.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -278,16 +279,17 @@ static gw_status make(const settings *s, loaded_scene *loaded, page_scene *page,
 
 gw_status page_scene_read(const settings *s, page_scene *page, gw_error *error)
 {
-	loaded_scene loaded = { .place = coordinates_metres() };
+	const parted_cloud_look look = { .bytes = THINNED_SCENE_SEEN_BYTES };
+	thinned_scene thinned = { .loaded = { .place = coordinates_metres() } };
 	*page = (page_scene){ .scene = { .place = coordinates_metres() } };
 	gw_status status = read_cameras(s, page, error);
 	if (status == GW_OK)
-		status = loaded_scene_read(s, &loaded, error);
+		status = thinned_scene_read(s, &look, "looked at", &thinned, error);
 	if (status == GW_OK && !s->quiet)
-		render_scene_print_notes(&loaded.cloud);
+		render_scene_print_notes(&thinned.loaded.cloud);
 	if (status == GW_OK)
-		status = make(s, &loaded, page, error);
-	loaded_scene_clear(&loaded);
+		status = make(s, &thinned.loaded, page, error);
+	thinned_scene_clear(&thinned);
 	if (status != GW_OK)
 		page_scene_clear(page);
 	return status;

@@ -1,7 +1,7 @@
 #include "pictures/render_scene.h"
 #include "result/bake_columns.h"
 #include "glowworm_host.h"
-#include "scene/loaded_scene.h"
+#include "scene/thinned_scene.h"
 #include "options/preview.h"
 #include "pictures/render_mesh.h"
 #include "points/scan_color.h"
@@ -15,12 +15,6 @@
 /* The narrowest cloud in a picture, metres. Triangles of cells have squares of areas, fourth powers
  * of lengths: they are drawn at 1e-10 m and lost at 1e-12. */
 #define WIDTH_LEAST 1e-9
-
-/* Bytes of memory that a point takes: up to 344 of lit clouds with normals of which most is in the
- * picture, 206 where a part is, and 426 where an octree is built of all (measured); columns that
- * others add take more. */
-#define SEEN_BYTES 360u
-#define LIT_BYTES 640u
 
 /* Columns of a channel that a bake writes. */
 static const char *const column_name[RENDER_CHANNEL_COUNT][3] = {
@@ -358,45 +352,26 @@ gw_status render_scene_make(const settings *s, loaded_scene *loaded, const rende
 	return status;
 }
 
-static void print_thinned(const parted_cloud *parted, const scan *cloud)
-{
-	text_message(stderr,
-				 "glowworm: note: %zu points are drawn of %llu, spread over their surface: memory "
-				 "holds no more (--memory)\n",
-				 cloud->count, (unsigned long long)parted->file.count);
-}
-
-/* Reads the points, or as many as memory holds, and makes a scene of them. */
-static gw_status read_and_make(const settings *s, const render_scene_wish *wish,
-							   parted_cloud *parted, render_scene *scene, gw_error *error)
-{
-	loaded_scene loaded;
-	double start = gw_seconds();
-	GW_TRY(loaded_scene_read_parted(s, parted->most > 0 ? parted : NULL, &loaded, error));
-	double seconds = gw_seconds() - start;
-	if (!s->quiet && parted->most > 0)
-		print_thinned(parted, &loaded.cloud);
-	if (!s->quiet)
-		render_scene_print_notes(&loaded.cloud);
-	gw_status status = render_scene_make(s, &loaded, wish, scene, error);
-	scene->read_seconds = seconds;
-	loaded_scene_clear(&loaded);
-	return status;
-}
-
 gw_status render_scene_read(const settings *s, const render_scene_wish *wish, render_scene *scene,
 							gw_error *error)
 {
 	const char *glossy =
 		wish->octree == RENDER_OCTREE_GLOSSY ? column_name[RENDER_SPECULAR][0] : NULL;
-	const parted_cloud_look look = { wish->octree == RENDER_OCTREE_YES ? LIT_BYTES : SEEN_BYTES,
-									 glossy, LIT_BYTES };
-	parted_cloud parted;
+	const parted_cloud_look look = { wish->octree == RENDER_OCTREE_YES ? THINNED_SCENE_TRACED_BYTES
+																	   : THINNED_SCENE_SEEN_BYTES,
+									 glossy, THINNED_SCENE_TRACED_BYTES };
+	thinned_scene thinned;
+	double start = gw_seconds(), seconds = 0.0;
 	*scene = (render_scene){ .place = coordinates_metres() };
-	gw_status status = parted_cloud_open_to_look(s, &look, &parted, error);
-	if (status == GW_OK)
-		status = read_and_make(s, wish, &parted, scene, error);
-	parted_cloud_close(&parted);
+	gw_status status = thinned_scene_read(s, &look, "drawn", &thinned, error);
+	if (status == GW_OK) {
+		seconds = gw_seconds() - start;
+		if (!s->quiet)
+			render_scene_print_notes(&thinned.loaded.cloud);
+		status = render_scene_make(s, &thinned.loaded, wish, scene, error);
+		scene->read_seconds = seconds;
+	}
+	thinned_scene_clear(&thinned);
 	return status;
 }
 

@@ -25,7 +25,7 @@
 /* Of the program and its driver where a cloud is only looked at. */
 #define LOOK_FIXED_BYTES (UINT64_C(64) << 20)
 
-/* Where points are gathered whose picture goes to a pipe. */
+/* Where points are gathered of which no file is made. */
 #define ELSEWHERE "/var/tmp/"
 
 #define KEPT_MOST ((uint64_t)1 << 30)
@@ -156,15 +156,17 @@ static bool is_open(const parted_cloud *parted)
 	return parted->file.found && parted->file.together <= PART_MOST;
 }
 
-gw_status parted_cloud_open(const settings *s, const format *output, const uint64_t *kept,
-							parted_cloud *parted, gw_error *error)
+/* The folder of the output, if that is a file. */
+static const char *room_beside(const settings *s)
 {
-	*parted = (parted_cloud){ .most = 0 };
-	if (!can_be_written(s, output))
-		return GW_OK;
-	parted->format = output;
+	return s->output && strcmp(s->output, "-") != 0 ? s->output : ELSEWHERE;
+}
+
+static gw_status open_to_bake(const settings *s, const uint64_t *kept, parted_cloud *parted,
+							  gw_error *error)
+{
 	uint64_t memory = memory_for(s);
-	const gathered_cloud_use use = { .beside = s->output,
+	const gathered_cloud_use use = { .beside = room_beside(s),
 									 .memory = memory,
 									 .fit = gw_points_in_memory(memory, false, true, &s->bake),
 									 .always = s->tiles > 0 || (kept && *kept > 0) };
@@ -172,7 +174,7 @@ gw_status parted_cloud_open(const settings *s, const format *output, const uint6
 	if (!is_open(parted))
 		return GW_OK;
 	if (s->tiles > 0)
-		share_memory(parted, memory_for(s));
+		share_memory(parted, memory);
 	else if (kept)
 		parted->most = (size_t)*kept;
 	else
@@ -180,13 +182,26 @@ gw_status parted_cloud_open(const settings *s, const format *output, const uint6
 	return GW_OK;
 }
 
+gw_status parted_cloud_open(const settings *s, const format *output, const uint64_t *kept,
+							parted_cloud *parted, gw_error *error)
+{
+	*parted = (parted_cloud){ .format = output };
+	return can_be_written(s, output) ? open_to_bake(s, kept, parted, error) : GW_OK;
+}
+
+gw_status parted_cloud_open_to_plan(const settings *s, parted_cloud *parted, gw_error *error)
+{
+	*parted = (parted_cloud){ .most = 0 };
+	return open_to_bake(s, NULL, parted, error);
+}
+
 gw_status parted_cloud_open_to_look(const settings *s, const parted_cloud_look *look,
 									parted_cloud *parted, gw_error *error)
 {
-	bool column = false, file = s->output && strcmp(s->output, "-") != 0;
+	bool column = false;
 	uint64_t memory = memory_for(s);
 	uint64_t left = memory > LOOK_FIXED_BYTES ? memory - LOOK_FIXED_BYTES : 0;
-	const gathered_cloud_use use = { .beside = file ? s->output : ELSEWHERE,
+	const gathered_cloud_use use = { .beside = room_beside(s),
 									 .memory = memory,
 									 .fit = left / look->bytes };
 	*parted = (parted_cloud){ .most = 0 };

@@ -4,6 +4,7 @@
 #include "program/json_writer.h"
 #include "program/text_quote.h"
 #include "result/light_measure.h"
+#include "scene/thinned_scene.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -59,11 +60,13 @@ static void write_json(const light_measure *m, FILE *out)
 
 static gw_status measure(const settings *s, const measure_region *region, gw_error *error)
 {
-	loaded_scene scene;
+	const parted_cloud_look look = { .bytes = THINNED_SCENE_SEEN_BYTES };
+	thinned_scene scene;
 	light_measure found;
-	GW_TRY(loaded_scene_read(s, &scene, error));
-	gw_status status = light_measure_make(s, &scene, region, &found, error);
-	loaded_scene_clear(&scene);
+	gw_status status = thinned_scene_read(s, &look, "measured", &scene, error);
+	if (status == GW_OK)
+		status = light_measure_make(s, &scene.loaded, region, &found, error);
+	thinned_scene_clear(&scene);
 	GW_TRY(status);
 	(s->json ? write_json : print)(&found, stdout);
 	light_measure_clear(&found);

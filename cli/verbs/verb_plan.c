@@ -10,13 +10,16 @@
 #include "options/quality_preset.h"
 #include "scene/scene_file.h"
 #include "program/signals.h"
+#include "program/text_quote.h"
 #include "glowworm_host.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 
 /* All that lives as long as one plan. */
 typedef struct plan {
 	settings *settings;
+	parted_cloud parted; /* where memory does not hold all points */
 	loaded_scene scene;
 	gw_light *light;
 	gw_drivers *drivers;
@@ -49,7 +52,15 @@ static gw_status read_scene(plan *p)
 		return gw_fail(p->error, GW_ERROR_USAGE,
 					   "what to plan for? Name an input, or - for standard input");
 	s->bake.drivers = p->drivers = gw_drivers_load();
-	GW_TRY(loaded_scene_read(s, &p->scene, p->error));
+	GW_TRY(parted_cloud_open_to_plan(s, &p->parted, p->error));
+	parted_cloud *parted = p->parted.most > 0 ? &p->parted : NULL;
+	GW_TRY(loaded_scene_read_parted(s, parted, &p->scene, p->error));
+	if (!s->quiet && parted)
+		text_message(
+			stderr,
+			"glowworm: note: %zu points make the surface of all %llu: memory holds no more "
+			"(--memory)\n",
+			p->scene.cloud.count, (unsigned long long)parted->file.count);
 	if (!s->quiet)
 		input_notes_print(s, &p->scene);
 	glossy_points_apply(s, &p->scene);
@@ -106,6 +117,7 @@ gw_status verb_plan(settings *s, gw_error *error)
 	gw_bake_result_destroy(&p.result);
 	gw_drivers_release(&p.drivers);
 	loaded_scene_clear(&p.scene);
+	parted_cloud_close(&p.parted);
 	free(p.light);
 	return status;
 }

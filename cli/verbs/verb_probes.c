@@ -14,6 +14,7 @@
 #include "scene/glossy_points.h"
 #include "scene/input_notes.h"
 #include "scene/scene_file.h"
+#include "scene/thinned_scene.h"
 #include "glowworm_host.h"
 
 #include <stdlib.h>
@@ -25,7 +26,7 @@ typedef struct probing {
 	settings *settings;
 	output_file *atlas, *json, *png, *transport;
 	input_file reused; /* a transport */
-	loaded_scene scene;
+	thinned_scene scene;
 	gw_light *light;
 	gw_drivers *drivers;
 	gw_probes *probes;
@@ -130,6 +131,7 @@ static gw_status open_outputs(probing *p)
 
 static gw_status read_scene(probing *p)
 {
+	const parted_cloud_look look = { .bytes = THINNED_SCENE_LIT_BYTES };
 	settings *s = p->settings;
 	GW_TRY(scene_read_all(s, p->error));
 	quality_preset_apply(s);
@@ -139,16 +141,16 @@ static gw_status read_scene(probing *p)
 	GW_TRY(bake_plan_apply_motion(s, p->error));
 	GW_TRY(open_outputs(p));
 	s->bake.drivers = p->drivers = gw_drivers_load();
-	GW_TRY(loaded_scene_read(s, &p->scene, p->error));
+	GW_TRY(thinned_scene_read(s, &look, "taken", &p->scene, p->error));
 	if (!s->quiet)
-		input_notes_print(s, &p->scene);
-	glossy_points_apply(s, &p->scene);
+		input_notes_print(s, &p->scene.loaded);
+	glossy_points_apply(s, &p->scene.loaded);
 	if (s->save_transport)
-		GW_TRY(output_file_check_room(s->save_transport, TRANSPORT_BYTES * p->scene.cloud.count,
-									  p->error));
+		GW_TRY(output_file_check_room(s->save_transport,
+									  TRANSPORT_BYTES * p->scene.loaded.cloud.count, p->error));
 	if (s->transport)
 		GW_TRY(input_file_open_as(&p->reused, s->transport, 0, 0, p->error));
-	return loaded_scene_lights(&p->scene, s, &p->light, p->error);
+	return loaded_scene_lights(&p->scene.loaded, s, &p->light, p->error);
 }
 
 /* ------------------------------------------------------------------------------- the probes */
@@ -195,7 +197,8 @@ static gw_status light_and_place(probing *p)
 									 .fleeting = p->reused.storage == INPUT_FILE_MAPPED,
 									 .write = p->transport ? write_transport : NULL,
 									 .user = p };
-	const gw_scene_description description = { &p->scene.points.points, p->light, s->light_count };
+	const gw_scene_description description = { &p->scene.loaded.points.points, p->light,
+											   s->light_count };
 	gw_scene *scene = NULL;
 	if (transport.data || transport.write)
 		options.transport = &transport;
@@ -216,14 +219,14 @@ static gw_status write_picture(probing *p)
 		return GW_OK;
 	p->picture =
 		(probe_picture){ .settings = p->settings, .probes = p->probes, .radiance = p->radiance };
-	GW_TRY(probe_picture_write(&p->picture, &p->scene, p->png, p->error));
+	GW_TRY(probe_picture_write(&p->picture, &p->scene.loaded, p->png, p->error));
 	GW_TRY(signals_check(p->error));
 	return output_file_commit(&p->png, p->error);
 }
 
 static gw_status write_files(probing *p)
 {
-	const probe_files files = { p->settings, p->probes, &p->scene.place };
+	const probe_files files = { p->settings, p->probes, &p->scene.loaded.place };
 	if (p->atlas)
 		GW_TRY(probe_files_atlas(&files, p->atlas, p->error));
 	if (p->json)
@@ -277,7 +280,7 @@ gw_status verb_probes(settings *s, gw_error *error)
 	s->bake.drivers = NULL;
 	gw_drivers_release(&p.drivers);
 	gw_probes_destroy(&p.probes);
-	loaded_scene_clear(&p.scene);
+	thinned_scene_clear(&p.scene);
 	free(p.light);
 	free(p.radiance);
 	return status;

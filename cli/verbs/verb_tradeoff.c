@@ -5,6 +5,7 @@
 #include "scene/input_notes.h"
 #include "files/output_file.h"
 #include "scene/scene_file.h"
+#include "scene/thinned_scene.h"
 #include "program/exit_code.h"
 #include "program/text_quote.h"
 #include "comparison/tradeoff_plot.h"
@@ -18,7 +19,7 @@
 typedef struct sweep {
 	settings *settings;
 	output_file *csv, *svg;
-	loaded_scene scene;
+	thinned_scene scene;
 	gw_light *light;
 	tradeoff tradeoff;
 	gw_error *error;
@@ -168,20 +169,22 @@ static gw_status show(sweep *w)
 
 static gw_status run(sweep *w)
 {
+	const parted_cloud_look look = { .bytes = THINNED_SCENE_LIT_BYTES };
 	settings *s = w->settings;
 	progress shown = progress_start((settings_progress)s->progress, s->quiet);
 	GW_TRY(scene_read_all(s, w->error));
 	GW_TRY(check(w));
-	GW_TRY(loaded_scene_read(s, &w->scene, w->error));
+	GW_TRY(thinned_scene_read(s, &look, "taken", &w->scene, w->error));
 	if (!s->quiet)
-		input_notes_print(s, &w->scene);
-	glossy_points_apply(s, &w->scene);
-	GW_TRY(loaded_scene_lights(&w->scene, s, &w->light, w->error));
+		input_notes_print(s, &w->scene.loaded);
+	glossy_points_apply(s, &w->scene.loaded);
+	GW_TRY(loaded_scene_lights(&w->scene.loaded, s, &w->light, w->error));
 	/* Each run has its settings from the start, and says how wrong it is. */
 	gw_bake_options base = s->bake;
 	base.max_error = base.time_limit = 0.0f;
 	tradeoff_plan(&base, &w->tradeoff);
-	GW_TRY(tradeoff_bake(&w->scene, w->light, s->light_count, &w->tradeoff, &shown, w->error));
+	GW_TRY(
+		tradeoff_bake(&w->scene.loaded, w->light, s->light_count, &w->tradeoff, &shown, w->error));
 	return show(w);
 }
 
@@ -191,7 +194,7 @@ gw_status verb_tradeoff(settings *s, gw_error *error)
 	gw_status status = run(&w);
 	output_file_abandon(&w.csv);
 	output_file_abandon(&w.svg);
-	loaded_scene_clear(&w.scene);
+	thinned_scene_clear(&w.scene);
 	free(w.light);
 	return status;
 }
