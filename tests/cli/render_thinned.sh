@@ -1,5 +1,5 @@
-# A picture of a cloud that memory does not hold is drawn of as many points as fit, and says so; pages,
-# measures and plans likewise.
+# Of a cloud that memory does not hold a picture is drawn of as many points as fit, and says so;
+# pages, measures and plans likewise.
 # Of 64 MB and 360 bytes a point 72 MB hold some 23,000.
 ${LOOK_FOR_DEVICE:-glowworm info --devices} >/dev/null 2>&1 ||
 	{ echo "there is no Vulkan device"; exit 77; }
