@@ -7,8 +7,11 @@
 #include "options/output_system.h"
 #include "program/signals.h"
 #include "result/las_step.h"
+#include "scene/gathered_cloud.h"
 
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 /* Whether memory holds all points, by the columns of some, with what is made of them. */
 static bool memory_holds(const parted_copy *c, const scan *some)
@@ -39,6 +42,20 @@ static gw_status look_at_first(parted_copy *c, bool *parted, gw_error *error)
 	return GW_OK;
 }
 
+/* A file that cannot be read in parts is gathered first, where memory does not hold it. */
+static gw_status gather(parted_copy *c, gw_error *error)
+{
+	const gathered_cloud_use use = { .beside = c->path,
+									 .memory = gw_available_memory(),
+									 .quiet = true };
+	gathered_input *input = NULL;
+	format_parts_close(&c->parts);
+	gw_status status =
+		use.memory > 0 ? gathered_cloud_make(c->settings, &use, &c->parts, &input, error) : GW_OK;
+	free(input);
+	return status;
+}
+
 gw_status parted_copy_open(parted_copy *c, const format_options *options, bool *parted,
 						   gw_error *error)
 {
@@ -46,6 +63,8 @@ gw_status parted_copy_open(parted_copy *c, const format_options *options, bool *
 	if (!output_name_takes_parts(c->path, c->format))
 		return GW_OK;
 	GW_TRY(format_parts_open(c->settings->input[0].path, options, &c->parts, error));
+	if (!c->parts.found && strcmp(c->path, "-") != 0)
+		GW_TRY(gather(c, error));
 	uint64_t together = c->parts.together;
 	*parted = c->parts.found && together <= PARTED_COPY_POINTS;
 	if (!*parted)

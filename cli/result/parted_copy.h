@@ -29,7 +29,7 @@ typedef struct parted_copy {
 /*
  * Looks whether the input can be read in parts, more than once, and the output be written so. What
  * is packed takes its time each time: it is read at once wherever memory holds it, with what is
- * made of it.
+ * made of it; and so is what has no parts, or else it is gathered first (gathered_cloud.h).
  *   copy     with all before `parts` set but the output; to be given back with parted_copy_close,
  *            also on failure
  *   options  how the input is read

@@ -184,13 +184,11 @@ static gw_status add_input(gathering *g, size_t i)
 
 static void say_gathered(const settings *s, const gathered_points *points)
 {
-	if (!s->quiet)
-		text_message(stderr,
-					 "glowworm: note: memory does not hold all %llu points of %zu file%s at once "
-					 "(--memory): until the end, the disk holds them, in %.2f GB beside the "
-					 "output\n",
-					 (unsigned long long)gathered_points_count(points), s->input_count,
-					 s->input_count == 1 ? "" : "s", (double)gathered_points_bytes(points) * 1e-9);
+	text_message(stderr,
+				 "glowworm: note: memory does not hold all %llu points of %zu file%s at once "
+				 "(--memory): until the end, the disk holds them, in %.2f GB beside the output\n",
+				 (unsigned long long)gathered_points_count(points), s->input_count,
+				 s->input_count == 1 ? "" : "s", (double)gathered_points_bytes(points) * 1e-9);
 }
 
 static gw_status gather(gathering *g, format_parts *parts)
@@ -200,7 +198,8 @@ static gw_status gather(gathering *g, format_parts *parts)
 	for (size_t i = 0; i < s->input_count; i++)
 		GW_TRY(add_input(g, i));
 	gathered_points_settle(g->points);
-	say_gathered(s, g->points);
+	if (!s->quiet && !g->use->quiet)
+		say_gathered(s, g->points);
 	format_parts_of_gathered(g->points, s->input_count > 1 ? "the inputs" : s->input[0].path,
 							 parts);
 	parts->in.threads = s->bake.threads;

@@ -20,6 +20,7 @@ typedef struct gathered_cloud_use {
 	uint64_t memory;    /* bytes that all may take */
 	uint64_t fit;       /* so many points need not be gathered, */
 	bool always;        /* unless this is set */
+	bool quiet;         /* nothing is said of it */
 } gathered_cloud_use;
 
 /*
