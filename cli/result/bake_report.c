@@ -938,7 +938,8 @@ void bake_report_error(const bake_facts *f)
 	}
 	error_text(r, error);
 	price_text(f, price, sizeof price);
-	fprintf(stderr, "glowworm: estimated error: %s of the mean%s\n", error, price);
+	fprintf(stderr, "glowworm: estimated error%s: %s of the mean%s\n",
+			f->frames > 1 ? " of the first frame" : "", error, price);
 }
 
 /* Why a target was missed and what it would take, as the end of a sentence. */
