@@ -3,6 +3,7 @@
 #include "meshes/mesh.h"
 #include "scene/scene_file.h"
 #include "meshes/mesh_reader.h"
+#include "program/text_quote.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -124,6 +125,18 @@ static gw_status put_triangles(render_scene *scene, gw_error *error)
 	return GW_OK;
 }
 
+/* Triangles that no point is near are taken off, and so is a mesh that stands elsewhere. */
+static void note_elsewhere(const settings *s, size_t on_mesh)
+{
+	if (on_mesh == 0 && !s->quiet)
+		text_message(
+			stderr,
+			"glowworm: note: --mesh %s: no point lies on it, and so nothing of it is "
+			"drawn; it has to stand where the points do, in metres, to which \"matrix\" in "
+			"a scene file brings it\n",
+			s->render.mesh);
+}
+
 static gw_status light_meshes(const settings *s, render_scene *scene, gw_error *error)
 {
 	uint8_t *on_mesh = calloc(scene->surfels.count, 1);
@@ -133,10 +146,15 @@ static gw_status light_meshes(const settings *s, render_scene *scene, gw_error *
 		gw_mesh_light(&scene->triangles, &scene->surfels,
 					  (gw_surfel_channels){ scene->channel, scene->raster.channel_count },
 					  s->bake.threads, on_mesh, error);
+	size_t count = 0;
 	for (size_t i = 0; i < scene->surfels.count && status == GW_OK; i++)
-		if (on_mesh[i])
+		if (on_mesh[i]) {
 			scene->surfels.radius[i] = 0.0f;
+			count++;
+		}
 	free(on_mesh);
+	if (status == GW_OK)
+		note_elsewhere(s, count);
 	return status == GW_OK ? put_triangles(scene, error) : status;
 }
 

@@ -296,6 +296,17 @@ static void guess(solve *w)
 			bounded(w, bright > 0.0f ? (float)BRIGHT_ALBEDO * w->photo[i] / bright : 0.5f);
 }
 
+/* Colours of classes or of a drawing are no photographs, and say nothing of light. */
+static gw_status check_photo(const solve *w)
+{
+	if (w->facts->ends < count_of(w))
+		return GW_OK;
+	return gw_fail(w->error, GW_ERROR_DATA,
+				   "red, green or blue of each point is 0 or full, as in the colours of classes: "
+				   "they do not say how much light fell on any; bake takes them as they are, and "
+				   "with --albedo constant:V none of them");
+}
+
 gw_status albedo_solve(loaded_scene *scene, const settings *s, const albedo_setup *setup,
 					   albedo_facts *facts, gw_error *error)
 {
@@ -310,6 +321,9 @@ gw_status albedo_solve(loaded_scene *scene, const settings *s, const albedo_setu
 	gw_status status = start(&w);
 	if (status == GW_OK) {
 		facts->ends = albedo_clipped_find(w.photo, count_of(&w), w.ends);
+		status = check_photo(&w);
+	}
+	if (status == GW_OK) {
 		guess(&w);
 		status = run_rounds(&w);
 	}

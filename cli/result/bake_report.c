@@ -840,11 +840,13 @@ typedef struct error_part {
 static void put_parts(const gw_report *r, char *text, size_t room)
 {
 	const gw_error_estimate *e = &r->error;
+	bool seen = r->gaps.scanners > 0;
 	error_part part[] = {
 		{ e->shadows, "edges of lamps' shadows", "denser points" },
 		{ e->normals, "errors of the points' normals", "better ones" },
 		{ e->emission, "edges of what emits", "denser points" },
-		{ e->gaps, "gaps that no scanner looked at", "more scans" },
+		{ e->gaps, seen ? "gaps that no scanner looked at" : "holes that may be windows or not",
+		  seen ? "more scans" : "--scanner or more scans" },
 		{ e->sides, "surfaces that may face the wrong way", "normals or scanner positions" },
 		{ e->narrow, "doubts about how much there is of narrow things",
 		  "normals or a scan in rows and columns" },
@@ -938,7 +940,8 @@ void bake_report_error(const bake_facts *f)
 	}
 	error_text(r, error);
 	price_text(f, price, sizeof price);
-	fprintf(stderr, "glowworm: estimated error: %s of the mean%s\n", error, price);
+	fprintf(stderr, "glowworm: estimated error%s: %s of the mean%s\n",
+			f->frames > 1 ? " of the first frame" : "", error, price);
 }
 
 /* Why a target was missed and what it would take, as the end of a sentence. */

@@ -16,6 +16,7 @@ typedef struct bake_facts {
 	double exposure;
 	double read_seconds, bake_seconds, write_seconds; /* wall clock */
 	uint64_t vdb_clamped;
+	uint32_t frames;             /* of which the result is the first; 0: none */
 	bake_plan_forecast forecast; /* of --explain; no plan where there is none */
 } bake_facts;
 

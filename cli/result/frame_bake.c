@@ -5,7 +5,6 @@
 #include "result/lit_scan.h"
 #include "files/number_text.h"
 #include "table/format_table.h"
-#include "scene/octree_note.h"
 #include "options/preview.h"
 #include "scene/scene_file.h"
 #include "program/signals.h"
@@ -457,14 +456,27 @@ static double mean_luminance(const gw_bake_result *result)
 static void say(const frame_run *r, const frame_facts *f)
 {
 	progress_clear(r->progress);
-	if (r->at == r->first && !r->settings->quiet)
-		octree_note_print(f->report.leaf_size, f->report.wanted_leaf_size, f->report.why_coarser);
 	if (r->settings->verbose && !r->settings->quiet)
 		fprintf(stderr, "glowworm: frame %u: %.2f s baking, %.2f s writing, %u bounces%s%s\n",
 				f->frame, f->bake_seconds, f->write_seconds, f->report.bounce_count,
 				f->file ? ", " : "", f->file ? f->file : "");
 	if (r->settings->profile)
 		bake_report_profile(&f->report, r->at != r->first && !r->settings->rebuild);
+}
+
+/* What the first frame says of all: what is wrong with the points, and how wrong that makes the
+ * light. No frame is baked to an error, and so none is offered. */
+static void note_first(frame_run *r, gw_bake_result *result)
+{
+	if (r->at != r->first || r->settings->quiet)
+		return;
+	progress_clear(r->progress);
+	result->report.price = (gw_price){ 0 };
+	r->facts->result = result;
+	r->facts->frames = r->last - r->first + 1;
+	bake_report_notes(r->facts);
+	bake_report_error(r->facts);
+	r->facts->result = NULL;
 }
 
 static gw_status bake_frame(frame_run *r)
@@ -494,6 +506,8 @@ static gw_status bake_frame(frame_run *r)
 	if (status == GW_OK)
 		status = write_frame(r, result, f->file);
 	f->write_seconds = now() - start;
+	if (status == GW_OK)
+		note_first(r, result);
 	gw_bake_result_destroy(&result);
 	if (status == GW_OK)
 		say(r, f);

@@ -225,7 +225,7 @@ static void print_percent(const light_shares *f, double share)
 {
 	char percent[TEXT_PERCENT];
 	fprintf(stderr, "%s %% of the light before it is reflected", text_percent(share, percent));
-	if (f->frames > 0)
+	if (f->frames > 1)
 		fprintf(stderr, ", in the mean of %" PRIu32 " frames", f->frames);
 }
 

@@ -172,8 +172,10 @@ static gw_status albedo_of_colors(const scan *cloud, const scan_points_options *
 	bool own = scan_told_color(options->told, cloud, true, &color);
 	bool any = own || scan_told_color(options->told, cloud, false, &color);
 	if (!any && forced)
-		return gw_fail(error, GW_ERROR_USAGE,
-					   "the albedo shall come from colours, but the points have none");
+		return gw_fail(
+			error, GW_ERROR_USAGE,
+			"the albedo shall come from colours, but the points have none; bake --albedo "
+			"intensity, property:NAME or constant:V takes it from elsewhere");
 	if (!any || (color.black && !forced)) {
 		albedo_constant(out, cloud->count, GW_ALBEDO_DEFAULT,
 						any ? "because all colours are black"

@@ -127,16 +127,17 @@ void text_names_clear(text_names *names)
 
 /* What is known of a column and the two behind it. */
 typedef struct triple {
-	bool bytes;     /* all three whole and 0 to 255 */
+	bool bytes;     /* all three whole and 0 to 255, and written alike: with a point or without */
 	bool fractions; /* all three 0 to 1 */
 	bool negative;  /* one of them, at least once */
 	size_t unit;    /* rows in which their length is 1 within 2 percent */
 	size_t beyond;  /* rows in which it is more */
 } triple;
 
-static void judge_triple(triple *t, const double v[3])
+static void judge_triple(triple *t, const double v[3], const number_form form[3])
 {
 	double squared = 0.0;
+	t->bytes = t->bytes && form[0].whole == form[1].whole && form[1].whole == form[2].whole;
 	for (int k = 0; k < 3; k++) {
 		t->bytes = t->bytes && v[k] >= 0.0 && v[k] <= 255.0 && v[k] == trunc(v[k]);
 		t->fractions = t->fractions && v[k] >= 0.0 && v[k] <= 1.0;
@@ -159,15 +160,16 @@ static size_t judge(text_rows *rows, triple t[SAMPLE_COLUMNS])
 	while (count < SAMPLE_ROWS &&
 		   text_rows_next_line(&at, rows->end, rows->newline, &line, &length)) {
 		double value[SAMPLE_COLUMNS];
+		number_form form[SAMPLE_COLUMNS];
 		if (text_rows_is_empty(line, length))
 			continue;
-		size_t width = text_rows_numbers(line, length, rows->separator, value, SAMPLE_COLUMNS);
+		size_t width = text_rows_forms(line, length, rows->separator, value, form, SAMPLE_COLUMNS);
 		if (width == 0 || (rows->skip == TEXT_ROWS_SKIP_SINGLE && width == 1))
 			continue;
 		if (rows->width == 0)
 			rows->width = width;
 		for (size_t c = 3; c + 2 < width && width == rows->width; c++)
-			judge_triple(&t[c], value + c);
+			judge_triple(&t[c], value + c, form + c);
 		count++;
 	}
 	return count;

@@ -1,7 +1,7 @@
 #include "text/text_rows.h"
-#include "files/number_text.h"
 #include "glowworm_host.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -477,8 +477,8 @@ gw_status text_rows_read(const text_rows *rows, text_column *column, gw_error *e
 
 /* ------------------------------------------------------------------------- single lines */
 
-size_t text_rows_numbers(const char *line, size_t length, char separator, double *value,
-						 size_t most)
+size_t text_rows_forms(const char *line, size_t length, char separator, double *value,
+					   number_form *form, size_t most)
 {
 	text_rows rows = { .separator = separator };
 	const char *end = line + length, *at = skip_blanks(line, end);
@@ -488,8 +488,9 @@ size_t text_rows_numbers(const char *line, size_t length, char separator, double
 		if (count == most)
 			return 0;
 		value[count] = NAN;
+		form[count] = (number_form){ 0 };
 		if (*at != separator)
-			used = number_read(at, (size_t)(end - at), &value[count]);
+			used = number_read_form(at, (size_t)(end - at), &value[count], &form[count]);
 		if (*at != separator && !used)
 			return 0;
 		at += used;
@@ -499,4 +500,12 @@ size_t text_rows_numbers(const char *line, size_t length, char separator, double
 		at = skip_blanks(at, end);
 	}
 	return count;
+}
+
+size_t text_rows_numbers(const char *line, size_t length, char separator, double *value,
+						 size_t most)
+{
+	number_form form[TEXT_ROWS_NUMBERS];
+	assert(most <= TEXT_ROWS_NUMBERS);
+	return text_rows_forms(line, length, separator, value, form, most);
 }

@@ -10,6 +10,7 @@
 #define TEXT_ROWS_H
 
 #include "files/input_file.h"
+#include "files/number_text.h"
 #include "points/scan.h"
 
 #include <stdatomic.h>
@@ -97,9 +98,16 @@ bool text_rows_first(const text_rows *rows, const char **line, size_t *length);
 /* True when the line is blank or a comment. */
 bool text_rows_is_empty(const char *line, size_t length);
 
-/* Splits a line into at most `most` numbers; returns how many, or 0 when a word is no number or
- * there are more. */
+/* The most numbers of a line that are asked for. */
+#define TEXT_ROWS_NUMBERS 64
+
+/* Splits a line into at most `most` numbers, of TEXT_ROWS_NUMBERS; returns how many, or 0 when a
+ * word is no number or there are more. */
 size_t text_rows_numbers(const char *line, size_t length, char separator, double *value,
 						 size_t most);
+
+/* The same, and how each was written. */
+size_t text_rows_forms(const char *line, size_t length, char separator, double *value,
+					   number_form *form, size_t most);
 
 #endif

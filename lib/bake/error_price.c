@@ -46,7 +46,12 @@
 
 double gw_error_floor(const gw_error_estimate *e)
 {
-	return hypot(hypot(e->shadows, e->normals), hypot(e->emission, e->geometry));
+	const double part[] = { e->shadows, e->normals, e->emission, e->geometry,
+							e->gaps,    e->sides,   e->narrow,   e->between };
+	double square = 0.0;
+	for (size_t i = 0; i < sizeof part / sizeof *part; i++)
+		square += part[i] * part[i];
+	return sqrt(square);
 }
 
 double gw_error_with_records(const gw_error_estimate *e, double times, double *spread)

@@ -25,7 +25,8 @@ typedef struct gw_price_task {
 	double ray_seconds;   /* a ray of a record, with all that is done for it */
 } gw_price_task;
 
-/* What of an error stays whatever is paid: that of shadows' edges, normals and emitters' power. */
+/* What of an error stays whatever is paid: that of shadows' edges, normals, emitters' power, the
+ * octree, gaps, sides, narrow things and of points between those of the surface. */
 double gw_error_floor(const gw_error_estimate *error);
 
 /*
@@ -35,8 +36,8 @@ double gw_error_floor(const gw_error_estimate *error);
  */
 double gw_error_with_records(const gw_error_estimate *error, double times, double *spread);
 
-/* What half of the error would cost, or where edges of shadows do not allow that, half of the
- * error of gathered light; 0.99 where that is more, which no max_error can be. All 0 where that
+/* What half of the error would cost, or where what stays does not allow that, half of the error of
+ * gathered light; 0.99 where that is more, which no max_error can be. All 0 where that
  * would be hardly less, nothing would bring it, or nothing is known. */
 gw_price gw_price_of_less(const gw_price_task *task);
 

@@ -392,7 +392,7 @@ void gw_tiles_report(const gw_tile_share *share, size_t count, double wanted, gw
 	report->round_count = 0;
 	report->surface_points = 0;
 	gw_report_count(report, "tiles", count,
-					"tile{ is|s are} lit one after the other, each by the surface of all of its "
+					"tile{ is|s are} lit{| one after the other, each} by the surface of all of its "
 					"points and of few beyond");
 	gw_surface_light_hold_against(wanted, report);
 }

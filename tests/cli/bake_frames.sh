@@ -63,6 +63,11 @@ glowworm bake box.scene.json --frames 0..1 -f -o shares-%d.ply --report shares.j
 	--light 'point name black at 0,0,1 intensity 0' 2>&1 |
 	sed -n '/light /s/ [0-9]* %/ N %/p; /black/p'
 grep -c '"light_shares": \[0\.[0-9]*, 0\]' shares.json
+# The first says how wrong it is, and what else a bake says; of one frame alone there is no mean.
+for range in 0..1 1; do
+	glowworm bake box.scene.json --frames $range -f -o said-%d.ply --estimate-points 64 \
+		2>&1 | sed -n 's/ [0-9.]* % +- .*//p; s/^.* % \(of the light before\)/\1/p'
+done
 # Refused: one sentence each.
 try() { # scene's end, option...
 	end=$1

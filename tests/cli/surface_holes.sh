@@ -26,7 +26,7 @@ bake() { # NAME FILE option...
 	name=$1
 	shift
 	glowworm bake "$@" --rays 16 -o "$name.ply" --albedo constant:0.5 2>&1 |
-		grep 'note: ' |
+		sed -n '/note: /p; s/.*\(holes that may be windows or not\)/\1/p' |
 		sed 's/[0-9][0-9.]* %/N %/g; s/widest [0-9.]* m at [-0-9.,]*:/widest W at P:/'
 }
 mean() { # NAME: of the red radiance

@@ -24,6 +24,7 @@ stated() { sed -nE 's/.*"relative_rms": ([0-9.e-]+).*/\1/p' "$1" | head -1; }
 glowworm compare tiled.ply all.ply --json off.json >/dev/null
 echo "$(off off.json) $(stated tiled.json) $(stated all.json)" |
 	awk '{ print ($1 > 0 && $1 < sqrt($2 * $2 + $3 * $3)) ? "off as stated" : $0 }'
+bake --effects lamps --tiles 1 -o one.ply 2>&1 | grep -o '1 tile .*'
 # Killed when a tile is done, and gone on with; by one thread, and where they can meet by two ranks.
 alone='-j 1 --effects lamps --tiles 3'
 bake -q $alone -o whole.ply

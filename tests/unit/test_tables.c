@@ -92,6 +92,10 @@ static void names_come_from_the_values(void **state)
 		{ "1 2 3 0 0 -0.5\n4 5 6 0.6 0.1 0\n", "x y z nx ny nz" },
 		{ "1 2 3 255 0 17 0.5\n", "x y z red green blue field_7" },
 		{ "1 2 3 -99 255 0 17\n", "x y z intensity red green blue" },
+		/* Colours are written alike, and so this is no red. */
+		{ "1 2 3 0.0 10 119 55\n4 5 6 0.0 9 118 5\n", "x y z intensity red green blue" },
+		{ "1 2 3 37.0 10 119 55\n", "x y z intensity red green blue" },
+		{ "1 2 3 1.0 10.0 119.0 55\n", "x y z red green blue field_7" },
 		{ "1 2 3 9 8 7 0 0 -1\n", "x y z red green blue nx ny nz" },
 		{ "1 2 3 0 0 -1 9 8 7\n", "x y z nx ny nz red green blue" },
 		{ "1;2;3;-7.5;400;9\n", "x y z field_4 field_5 field_6" },
