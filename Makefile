@@ -111,7 +111,8 @@ SHARED  := libglowworm.so.$(VERSION)
 KERNELS         := device/prefix_sum light/light_visibility light/light_irradiance \
                    light/facet_direct light/record_rays light/record_again light/record_emitters \
                    light/record_sky light/record_portals light/portal_light \
-                   light/record_first light/record_gather light/record_moments light/record_add \
+                   light/record_first light/record_gather light/record_moments \
+                   light/record_share light/record_add \
                    light/facet_weights light/facet_shade light/read_back \
                    light/volume_rays light/volume_fill light/volume_weights light/volume_read \
                    light/volume_faces light/volume_inject light/volume_spread \

@@ -12,6 +12,7 @@
 #include "light/cones_apart.h"
 #include "light/direct_light.h"
 #include "light/gap_light.h"
+#include "light/shared_rays.h"
 #include "light/shut_out.h"
 #include "octree/compartments.h"
 #include "base/luminance.h"
@@ -380,16 +381,14 @@ static gw_status add_reflected(gw_lighting *lighting, bool first, bool last, gw_
 	return last ? GW_OK : gw_light_take(&s->passes, &r->gathered, irradiance, r->count, error);
 }
 
-/* The moment of all that was gathered of reflections. */
-static gw_status gather_moments(gw_lighting *lighting, uint32_t bounce_count, bool carried,
-								gw_error *error)
+/* What facets send out of all whose reflection was gathered by hits. */
+static gw_status shade_again(gw_lighting *lighting, uint32_t bounce_count, bool carried,
+							 gw_error *error)
 {
 	gw_scene *s = lighting->scene;
 	const gw_record_context on = gw_scene_context(s, &s->records);
 	bool first = !(lighting->whole ? lighting->whole : lighting)->patches_sampled;
 	gw_buffer irradiance = { 0 };
-	if (bounce_count < 2)
-		return GW_OK;
 	GW_TRY(gw_lighting_darken(lighting, GW_BUFFER_TEXEL, s->records.count,
 							  "reflected irradiance of records", &irradiance, error));
 	gw_status status =
@@ -398,9 +397,28 @@ static gw_status gather_moments(gw_lighting *lighting, uint32_t bounce_count, bo
 		status = gw_facets_shade(&on, &irradiance, &lighting->facet_direct, first ? 1.0f : 0.0f,
 								 &lighting->facet_radiance, error);
 	gw_buffer_destroy(s->gpu, &irradiance);
-	return status != GW_OK ? status
-						   : gw_ray_gather_moments(&on, &s->rays, &lighting->facet_radiance,
-												   &s->records.indirect_moment, error);
+	return status;
+}
+
+/* The moment of what was gathered by hits; and this and the sky as all rays around see them: what
+ * closes gaps knows of a record's own alone. */
+static gw_status look_again(gw_lighting *lighting, uint32_t bounce_count, bool carried,
+							gw_error *error)
+{
+	gw_scene *s = lighting->scene;
+	const gw_record_context on = gw_scene_context(s, &s->records);
+	const gw_sampled_sources sources = gw_lighting_sources(lighting);
+	bool moments = gw_scene_keeps_moments(s), reflected = bounce_count > 1;
+	const gw_buffer *radiance = reflected ? &lighting->facet_radiance : NULL;
+	const gw_shared_rays shared = { &on, &s->rays, &sources, radiance, moments };
+	bool shares = s->rays.rays <= GW_SHARED_RAYS_MOST && !gw_scene_closed_space(s);
+	if (!gw_method_keeps_hits(s->options.method) || !(moments || shares))
+		return GW_OK;
+	if (reflected)
+		GW_TRY(shade_again(lighting, bounce_count, carried, error));
+	if (reflected && moments)
+		GW_TRY(gw_ray_gather_moments(&on, &s->rays, radiance, &s->records.indirect_moment, error));
+	return shares ? gw_shared_rays_see(&shared, error) : GW_OK;
 }
 
 gw_status gw_lighting_bounce(gw_lighting *lighting, gw_error *error)
@@ -443,8 +461,7 @@ gw_status gw_lighting_bounce(gw_lighting *lighting, gw_error *error)
 		status = gw_bounces_run(&task, &bounces, error);
 	gw_buffer_destroy(s->gpu, &carried);
 	GW_TRY(status);
-	if (gw_scene_keeps_moments(s))
-		status = gather_moments(lighting, bounces.bounce_count, task.carried != NULL, error);
+	status = look_again(lighting, bounces.bounce_count, task.carried != NULL, error);
 	gw_buffer_destroy(s->gpu, &lighting->facet_radiance); /* of the last bounce */
 	if (status != GW_OK) {
 		free(bounces.bounce);

@@ -30,11 +30,11 @@ gw_kernel gw_kernel_prefix_sum, gw_kernel_light_visibility, gw_kernel_light_irra
 	gw_kernel_facet_direct, gw_kernel_record_rays, gw_kernel_record_again,
 	gw_kernel_record_emitters, gw_kernel_record_sky, gw_kernel_record_portals,
 	gw_kernel_portal_light, gw_kernel_record_first, gw_kernel_record_gather,
-	gw_kernel_record_moments, gw_kernel_record_add, gw_kernel_facet_weights, gw_kernel_facet_shade,
-	gw_kernel_read_back, gw_kernel_volume_rays, gw_kernel_volume_fill, gw_kernel_volume_weights,
-	gw_kernel_volume_read, gw_kernel_volume_faces, gw_kernel_volume_inject, gw_kernel_volume_spread,
-	gw_kernel_probe_sight, gw_kernel_probe_rays, gw_kernel_cache_rays, gw_kernel_cache_mips,
-	gw_kernel_pixel_caches, gw_kernel_given_rays;
+	gw_kernel_record_moments, gw_kernel_record_share, gw_kernel_record_add, gw_kernel_facet_weights,
+	gw_kernel_facet_shade, gw_kernel_read_back, gw_kernel_volume_rays, gw_kernel_volume_fill,
+	gw_kernel_volume_weights, gw_kernel_volume_read, gw_kernel_volume_faces,
+	gw_kernel_volume_inject, gw_kernel_volume_spread, gw_kernel_probe_sight, gw_kernel_probe_rays,
+	gw_kernel_cache_rays, gw_kernel_cache_mips, gw_kernel_pixel_caches, gw_kernel_given_rays;
 
 #ifdef __cplusplus
 }

@@ -104,6 +104,8 @@ static const gw_pass_row table[GW_PASS_COUNT] = {
 								.cpu = gw_cpu_record_gather },
 	[GW_PASS_RECORD_MOMENTS] = { "record_moments", "ttssst", sizeof(gw_record_push), 4096,
 								 .cpu = gw_cpu_record_moments },
+	[GW_PASS_RECORD_SHARE] = { "record_share", "ttttttttttsssss", sizeof(gw_record_push), 4096,
+							   .cpu = gw_cpu_record_share },
 	[GW_PASS_RECORD_ADD] = { "record_add", "ss", sizeof(gw_record_push), .cpu = gw_cpu_record_add },
 	[GW_PASS_FACET_WEIGHTS] = { "facet_weights", "ttttttttttsstts", sizeof(gw_lookup_push), 4096,
 								.cpu = gw_cpu_facet_weights },

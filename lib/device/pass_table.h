@@ -48,6 +48,7 @@ typedef enum gw_pass_id {
 	GW_PASS_RECORD_FIRST,
 	GW_PASS_RECORD_GATHER,
 	GW_PASS_RECORD_MOMENTS,
+	GW_PASS_RECORD_SHARE,
 	GW_PASS_RECORD_ADD,
 	GW_PASS_FACET_WEIGHTS,
 	GW_PASS_FACET_SHADE,
@@ -116,7 +117,7 @@ gw_cpu_kernel gw_cpu_prefix_sum, gw_cpu_radix_count, gw_cpu_radix_scatter;
 gw_cpu_kernel gw_cpu_light_visibility, gw_cpu_light_irradiance, gw_cpu_facet_direct;
 gw_cpu_kernel gw_cpu_record_rays, gw_cpu_record_again, gw_cpu_record_emitters, gw_cpu_record_sky,
 	gw_cpu_record_portals, gw_cpu_portal_light, gw_cpu_record_first, gw_cpu_record_gather,
-	gw_cpu_record_moments, gw_cpu_record_add;
+	gw_cpu_record_moments, gw_cpu_record_share, gw_cpu_record_add;
 gw_cpu_kernel gw_cpu_facet_weights, gw_cpu_facet_shade, gw_cpu_read_back;
 gw_cpu_kernel gw_cpu_volume_rays, gw_cpu_volume_fill, gw_cpu_volume_weights, gw_cpu_volume_read,
 	gw_cpu_volume_faces, gw_cpu_volume_inject, gw_cpu_volume_spread;

@@ -115,6 +115,14 @@ void gw_cpu_record_moments(gw_passes *passes, const gw_binding *b, const void *p
 		chunk_of(CHUNK_HITS, p->rays));
 }
 
+void gw_cpu_record_share(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
+{
+	const gw_record_push *p = push;
+	gw_kernel_loop(passes, GW_PASS_RECORD_SHARE,
+				   (gw_kernel_run){ .kernel = gw_kernel_record_share, .bindings = b, .push = push },
+				   count, chunk_of(CHUNK, p->rays));
+}
+
 void gw_cpu_record_add(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
 {
 	gw_kernel_loop(passes, GW_PASS_RECORD_ADD,

@@ -235,7 +235,7 @@ static gw_status add_opened(const gathering *g, gw_record_push push, gw_error *e
 						 g->on->records->count, error);
 }
 
-static void put_map(const gw_sampled_sources *sources, gw_record_push *push)
+void gw_sampled_map_push(const gw_sampled_sources *sources, struct gw_record_push *push)
 {
 	const gw_sky_map *map = sources->map;
 	if (!map || map->width == 0)
@@ -334,7 +334,7 @@ static gw_status gather_sources(const gw_record_context *on, const gw_ray_gather
 							.looked = sources->looked,
 							.moments = sources->moment != NULL,
 							.sky = { sky[0], sky[1], sky[2], 0.0f } };
-	put_map(sources, &push);
+	gw_sampled_map_push(sources, &push);
 	bool shines = map || sky[0] > 0.0f || sky[1] > 0.0f || sky[2] > 0.0f;
 	if (shines && sources->portals && gather->through.handle != VK_NULL_HANDLE)
 		push.portals = sources->portals->count;

@@ -74,6 +74,11 @@ typedef struct gw_sampled_sources {
 	gw_buffer *moment, *kept_moment;
 } gw_sampled_sources;
 
+struct gw_record_push;
+
+/* Puts the map of the sky, if there is one, into what its passes are given. */
+void gw_sampled_map_push(const gw_sampled_sources *sources, struct gw_record_push *push);
+
 /*
  * Irradiance that reaches the records straight from emitters and sky; unless sources->looked also
  * finds the distance to the nearest thing each record saw, into position w, and which are buried,

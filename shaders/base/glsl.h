@@ -347,6 +347,21 @@ inline vec4a operator*(vec4a a, float b)
 	return a.v * b;
 }
 
+inline vec4a operator+(vec4a a, vec4a b)
+{
+	return a.v + b.v;
+}
+
+inline vec4a operator*(vec4a a, vec4a b)
+{
+	return a.v * b.v;
+}
+
+inline vec4a operator/(vec4a a, vec4a b)
+{
+	return a.v / b.v;
+}
+
 inline vec4a min(vec4a a, vec4a b)
 {
 	return a.v < b.v ? a.v : b.v;

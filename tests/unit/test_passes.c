@@ -72,6 +72,7 @@ static const struct {
 	[GW_PASS_RECORD_FIRST] = { "===ll", 0 },
 	[GW_PASS_RECORD_GATHER] = { "=+", 64 }, /* rays of a record */
 	[GW_PASS_RECORD_MOMENTS] = { "==l", 0 },
+	[GW_PASS_RECORD_SHARE] = { "=llll", 0 },
 	[GW_PASS_RECORD_ADD] = { "==", 0 },
 	[GW_PASS_FACET_WEIGHTS] = { "rw=", GW_WEIGHTS },
 	[GW_PASS_FACET_SHADE] = { "==+=", GW_WEIGHTS + 1 },
