@@ -189,10 +189,11 @@ gw_status parted_cloud_open(const settings *s, const format *output, const uint6
 	return can_be_written(s, output) ? open_to_bake(s, kept, parted, error) : GW_OK;
 }
 
-gw_status parted_cloud_open_to_plan(const settings *s, parted_cloud *parted, gw_error *error)
+gw_status parted_cloud_open_to_plan(const settings *s, const format *output, parted_cloud *parted,
+									gw_error *error)
 {
-	*parted = (parted_cloud){ .most = 0 };
-	return open_to_bake(s, NULL, parted, error);
+	*parted = (parted_cloud){ .format = output };
+	return !s->output || can_be_written(s, output) ? open_to_bake(s, NULL, parted, error) : GW_OK;
 }
 
 gw_status parted_cloud_open_to_look(const settings *s, const parted_cloud_look *look,

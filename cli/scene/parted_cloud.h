@@ -40,9 +40,10 @@ typedef struct parted_cloud {
 gw_status parted_cloud_open(const settings *settings, const format *output, const uint64_t *kept,
 							parted_cloud *parted, gw_error *error);
 
-/* The same to foretell such a bake, whose results may not have a name yet. */
-gw_status parted_cloud_open_to_plan(const settings *settings, parted_cloud *parted,
-									gw_error *error);
+/* The same to foretell such a bake, whose results may have no name yet: then they can be written.
+ */
+gw_status parted_cloud_open_to_plan(const settings *settings, const format *output,
+									parted_cloud *parted, gw_error *error);
 
 /* What a point takes that is only looked at. */
 typedef struct parted_cloud_look {

@@ -6,6 +6,7 @@
 #include "scene/file_roles.h"
 #include "scene/glossy_points.h"
 #include "scene/input_notes.h"
+#include "options/output_name.h"
 #include "options/progress.h"
 #include "options/quality_preset.h"
 #include "scene/scene_file.h"
@@ -52,7 +53,10 @@ static gw_status read_scene(plan *p)
 		return gw_fail(p->error, GW_ERROR_USAGE,
 					   "what to plan for? Name an input, or - for standard input");
 	s->bake.drivers = p->drivers = gw_drivers_load();
-	GW_TRY(parted_cloud_open_to_plan(s, &p->parted, p->error));
+	const format *to = NULL;
+	if (s->output)
+		GW_TRY(output_name_format(s->output, s->output_format, &to, p->error));
+	GW_TRY(parted_cloud_open_to_plan(s, to, &p->parted, p->error));
 	parted_cloud *parted = p->parted.most > 0 ? &p->parted : NULL;
 	GW_TRY(loaded_scene_read_parted(s, parted, &p->scene, p->error));
 	if (!s->quiet && parted)

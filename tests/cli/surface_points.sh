@@ -29,7 +29,7 @@ short <said.txt
 surface some.json 10000 59000
 sed -nE 's/^came .* ([0-9]+) MB of the host.*/\1/p' said.txt |
 	awk '{ print ($1 < 174) ? "below" : $1 }'
-glowworm plan box.ply --memory 165M 2>&1 | grep -c 'half of the points baked'
+glowworm plan box.ply --memory 165M -o plan.csv 2>&1 | grep -c 'half of the points baked'
 # What is explained is the same light, also where surface keeps something apart.
 make_cave --points 6000 -o cave.ply
 in_cave() {
