@@ -11,7 +11,6 @@
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* Whether memory holds all points, by the columns of some, with what is made of them. */
 static bool memory_holds(const parted_copy *c, const scan *some)
@@ -45,7 +44,7 @@ static gw_status look_at_first(parted_copy *c, bool *parted, gw_error *error)
 /* A file that cannot be read in parts is gathered first, where memory does not hold it. */
 static gw_status gather(parted_copy *c, gw_error *error)
 {
-	const gathered_cloud_use use = { .beside = c->path,
+	const gathered_cloud_use use = { .output = c->path,
 									 .memory = gw_available_memory(),
 									 .quiet = true };
 	gathered_input *input = NULL;
@@ -63,7 +62,7 @@ gw_status parted_copy_open(parted_copy *c, const format_options *options, bool *
 	if (!output_name_takes_parts(c->path, c->format))
 		return GW_OK;
 	GW_TRY(format_parts_open(c->settings->input[0].path, options, &c->parts, error));
-	if (!c->parts.found && strcmp(c->path, "-") != 0)
+	if (!c->parts.found)
 		GW_TRY(gather(c, error));
 	uint64_t together = c->parts.together;
 	*parted = c->parts.found && together <= PARTED_COPY_POINTS;

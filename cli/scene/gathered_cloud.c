@@ -25,6 +25,18 @@
 #define FIXED_BYTES (UINT64_C(64) << 20)
 #define READ_SHARE 3u
 
+/* Where points are gathered of which no file is made. */
+#define ELSEWHERE "/var/tmp/"
+
+/* A path in whose folder they are: the output, if that is to be a file. */
+static const char *room_beside(const char *output)
+{
+	struct stat info;
+	bool stream =
+		!output || strcmp(output, "-") == 0 || (stat(output, &info) == 0 && !S_ISREG(info.st_mode));
+	return stream ? ELSEWHERE : output;
+}
+
 /* Of which nothing is said that is not of all inputs, but where it stands. */
 static bool is_plain(const settings *s, const settings_input *from)
 {
@@ -121,7 +133,7 @@ static gw_status look_at_first(gathering *g, size_t i, const format_pieces *piec
 	uint64_t row = 0;
 	for (size_t c = 0; c < piece->column_count; c++)
 		row += scan_type_size(piece->column[c].type);
-	GW_TRY(output_file_check_room(g->use->beside, row * pieces->guess, g->error));
+	GW_TRY(output_file_check_room(room_beside(g->use->output), row * pieces->guess, g->error));
 	GW_TRY(check_up(g, i, piece->up));
 	return check_place(g, i, piece);
 }
@@ -182,24 +194,27 @@ static gw_status add_input(gathering *g, size_t i)
 
 /* ----------------------------------------------------------------------------------- all */
 
-static void say_gathered(const settings *s, const gathered_points *points)
+static void say_gathered(const gathering *g)
 {
+	size_t files = g->settings->input_count;
+	bool beside = strcmp(room_beside(g->use->output), ELSEWHERE) != 0;
 	text_message(stderr,
 				 "glowworm: note: memory does not hold all %llu points of %zu file%s at once "
-				 "(--memory): until the end, the disk holds them, in %.2f GB beside the output\n",
-				 (unsigned long long)gathered_points_count(points), s->input_count,
-				 s->input_count == 1 ? "" : "s", (double)gathered_points_bytes(points) * 1e-9);
+				 "(--memory): until the end, the disk holds them, in %.2f GB %s\n",
+				 (unsigned long long)gathered_points_count(g->points), files, files == 1 ? "" : "s",
+				 (double)gathered_points_bytes(g->points) * 1e-9,
+				 beside ? "beside the output" : "in " ELSEWHERE);
 }
 
 static gw_status gather(gathering *g, format_parts *parts)
 {
 	const settings *s = g->settings;
-	GW_TRY(gathered_points_begin(g->use->beside, &g->points, g->error));
+	GW_TRY(gathered_points_begin(room_beside(g->use->output), &g->points, g->error));
 	for (size_t i = 0; i < s->input_count; i++)
 		GW_TRY(add_input(g, i));
 	gathered_points_settle(g->points);
 	if (!s->quiet && !g->use->quiet)
-		say_gathered(s, g->points);
+		say_gathered(g);
 	format_parts_of_gathered(g->points, s->input_count > 1 ? "the inputs" : s->input[0].path,
 							 parts);
 	parts->in.threads = s->bake.threads;

@@ -16,7 +16,8 @@ typedef struct gathered_input {
 } gathered_input;
 
 typedef struct gathered_cloud_use {
-	const char *beside; /* in the folder of this path is room for the copy */
+	const char *output; /* the copy is made beside it; NULL, or no file: among others' that last a
+						   while */
 	uint64_t memory;    /* bytes that all may take */
 	uint64_t fit;       /* so many points need not be gathered, */
 	bool always;        /* unless this is set */

@@ -25,9 +25,6 @@
 /* Of the program and its driver where a cloud is only looked at. */
 #define LOOK_FIXED_BYTES (UINT64_C(64) << 20)
 
-/* Where points are gathered of which no file is made. */
-#define ELSEWHERE "/var/tmp/"
-
 #define KEPT_MOST ((uint64_t)1 << 30)
 
 /* Whether results can be written one part after the other: LAZ goes to files only, and rows of text
@@ -156,17 +153,11 @@ static bool is_open(const parted_cloud *parted)
 	return parted->file.found && parted->file.together <= PART_MOST;
 }
 
-/* The folder of the output, if that is a file. */
-static const char *room_beside(const settings *s)
-{
-	return s->output && strcmp(s->output, "-") != 0 ? s->output : ELSEWHERE;
-}
-
 static gw_status open_to_bake(const settings *s, const uint64_t *kept, parted_cloud *parted,
 							  gw_error *error)
 {
 	uint64_t memory = memory_for(s);
-	const gathered_cloud_use use = { .beside = room_beside(s),
+	const gathered_cloud_use use = { .output = s->output,
 									 .memory = memory,
 									 .fit = gw_points_in_memory(memory, false, true, &s->bake),
 									 .always = s->tiles > 0 || (kept && *kept > 0) };
@@ -202,7 +193,7 @@ gw_status parted_cloud_open_to_look(const settings *s, const parted_cloud_look *
 	bool column = false;
 	uint64_t memory = memory_for(s);
 	uint64_t left = memory > LOOK_FIXED_BYTES ? memory - LOOK_FIXED_BYTES : 0;
-	const gathered_cloud_use use = { .beside = room_beside(s),
+	const gathered_cloud_use use = { .output = s->output,
 									 .memory = memory,
 									 .fit = left / look->bytes };
 	*parted = (parted_cloud){ .most = 0 };
