@@ -164,6 +164,8 @@ static gw_status make_room(const e57_source *s, e57_waiting *w, uint64_t length,
 /* Forgets the records that were held. */
 static void drop_held(e57_source *s)
 {
+	if (s->held == 0)
+		return;
 	for (size_t f = 0; f < s->scan->field_count; f++) {
 		e57_waiting *w = &s->waiting[f];
 		uint64_t bits = w->skip + (uint64_t)s->held * s->scan->field[f].bits;
