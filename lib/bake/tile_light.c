@@ -277,6 +277,13 @@ static gw_bake_options options_of(const gw_tile *tile, const gw_bake_options *op
 	return own;
 }
 
+/* Points without a place get no light, and are of the tile all the same. */
+static void keep_placeless(const gw_tile *tile, gw_bake_result *light)
+{
+	for (size_t i = 0; light->asked && i < tile->near->count; i++)
+		light->asked[i] = tile->core[i];
+}
+
 gw_status gw_tile_light(const gw_tile *tile, const gw_tile_lighting *lighting, gw_tile_share *share,
 						gw_bake_result **light, gw_error *error)
 {
@@ -300,6 +307,8 @@ gw_status gw_tile_light(const gw_tile *tile, const gw_tile_lighting *lighting, g
 					 : gw_bake_once(&scene, &given, manner, lighting->callbacks, light, error);
 	if (status == GW_OK)
 		take_share(tile, *light, share);
+	if (status == GW_OK)
+		keep_placeless(tile, *light);
 	if (status == GW_OK)
 		(*light)->count = tile->near->count;
 	gw_gpu_destroy(&own);
