@@ -411,7 +411,9 @@ static gw_status look_again(gw_lighting *lighting, uint32_t bounce_count, bool c
 	bool moments = gw_scene_keeps_moments(s), reflected = bounce_count > 1;
 	const gw_buffer *radiance = reflected ? &lighting->facet_radiance : NULL;
 	const gw_shared_rays shared = { &on, &s->rays, &sources, radiance, moments };
-	bool shares = s->rays.rays <= GW_SHARED_RAYS_MOST && !gw_scene_closed_space(s);
+	/* Of records that read probes, these keep what was hit, not what lies along rays of records. */
+	bool shares = s->options.method == GW_METHOD_RAYS && s->rays.rays <= GW_SHARED_RAYS_MOST &&
+				  !gw_scene_closed_space(s);
 	if (!gw_method_keeps_hits(s->options.method) || !(moments || shares))
 		return GW_OK;
 	if (reflected)
