@@ -493,18 +493,24 @@ static gw_status read_all(reader *r)
 	return take_viewpoint(r->header, r->cloud, r->error);
 }
 
+static reader reader_of(const input_file *in, const pcd_header *header, scan *cloud,
+						gw_error *error)
+{
+	return (reader){ .in = in,
+					 .header = header,
+					 .body = in->data + header->body,
+					 .end = in->data + in->length,
+					 .cloud = cloud,
+					 .error = error };
+}
+
 gw_status pcd_read(input_file *in, scan *cloud, gw_error *error)
 {
 	pcd_header header;
 	*cloud = (scan){ .up = 'z' };
 	gw_status status = pcd_header_parse(&header, in, cloud, error);
 	if (status == GW_OK) {
-		reader r = { .in = in,
-					 .header = &header,
-					 .body = in->data + header.body,
-					 .end = in->data + in->length,
-					 .cloud = cloud,
-					 .error = error };
+		reader r = reader_of(in, &header, cloud, error);
 		status = read_all(&r);
 		pcd_header_clear(&header);
 	}
@@ -553,12 +559,7 @@ static gw_status pcd_read_rows(input_file *in, const format_rows *rows, scan *cl
 	*cloud = (scan){ .up = 'z' };
 	gw_status status = pcd_header_parse(&header, in, cloud, error);
 	if (status == GW_OK) {
-		reader r = { .in = in,
-					 .header = &header,
-					 .body = in->data + header.body,
-					 .end = in->data + in->length,
-					 .cloud = cloud,
-					 .error = error };
+		reader r = reader_of(in, &header, cloud, error);
 		status = read_part(&r, &header, rows);
 		pcd_header_clear(&header);
 	}

@@ -114,22 +114,37 @@ gw_status text_stream_next(text_stream *s, size_t most, scan *piece, gw_error *e
 	return status;
 }
 
-gw_status text_stream_new(const input_file *in, text_stream **stream, gw_error *error)
+gw_status text_stream_read(const input_file *in, text_stream_opener *open, scan *cloud,
+						   gw_error *error)
 {
-	*stream = calloc(1, sizeof **stream);
-	return *stream ? GW_OK : gw_fail(error, GW_ERROR_MEMORY, "no memory to read %s", in->name);
+	text_stream s;
+	*cloud = (scan){ .up = 'z' };
+	gw_status status = open(in, &s, error);
+	if (status == GW_OK)
+		status = text_stream_next(&s, SIZE_MAX, cloud, error);
+	text_stream_clear(&s);
+	return status;
 }
 
-gw_status text_stream_next_piece(void *stream, size_t most, scan *piece, gw_error *error)
+gw_status text_stream_new(const input_file *in, text_stream_opener *open, void **state,
+						  gw_error *error)
 {
-	return text_stream_next(stream, most, piece, error);
+	text_stream *s = calloc(1, sizeof *s);
+	*state = s;
+	return s ? open(in, s, error)
+			 : gw_fail(error, GW_ERROR_MEMORY, "no memory to read %s", in->name);
 }
 
-void text_stream_free(void *stream)
+gw_status text_stream_next_piece(void *state, size_t most, scan *piece, gw_error *error)
 {
-	if (stream)
-		text_stream_clear(stream);
-	free(stream);
+	return text_stream_next(state, most, piece, error);
+}
+
+void text_stream_free(void *state)
+{
+	if (state)
+		text_stream_clear(state);
+	free(state);
 }
 
 uint64_t text_stream_guess(input_file *in)

@@ -31,11 +31,18 @@ gw_status text_stream_next(text_stream *stream, size_t most, scan *piece, gw_err
 
 void text_stream_clear(text_stream *stream);
 
-/* The same as format_stream has it: a table on the heap, zeroed, whose file is `in`.
- * GW_ERROR_MEMORY. */
-gw_status text_stream_new(const input_file *in, text_stream **stream, gw_error *error);
-gw_status text_stream_next_piece(void *stream, size_t most, scan *piece, gw_error *error);
-void text_stream_free(void *stream);
+/* Opens the table of a file: stream is to be given back with text_stream_clear, also on failure. */
+typedef gw_status text_stream_opener(const input_file *in, text_stream *stream, gw_error *error);
+
+/* All of a file's rows, as format.read has them. */
+gw_status text_stream_read(const input_file *in, text_stream_opener *open, scan *cloud,
+						   gw_error *error);
+
+/* The same piece by piece, as format_stream has it. */
+gw_status text_stream_new(const input_file *in, text_stream_opener *open, void **state,
+						  gw_error *error);
+gw_status text_stream_next_piece(void *state, size_t most, scan *piece, gw_error *error);
+void text_stream_free(void *state);
 
 /* format_stream.guess by how long lines are in the begin of the text. */
 uint64_t text_stream_guess(input_file *in);

@@ -197,21 +197,12 @@ static gw_status open_table(const input_file *in, text_stream *s, gw_error *erro
 
 gw_status xyz_read(input_file *in, scan *cloud, gw_error *error)
 {
-	text_stream s;
-	*cloud = (scan){ .up = 'z' };
-	gw_status status = open_table(in, &s, error);
-	if (status == GW_OK)
-		status = text_stream_next(&s, SIZE_MAX, cloud, error);
-	text_stream_clear(&s);
-	return status;
+	return text_stream_read(in, open_table, cloud, error);
 }
 
 static gw_status stream_open(input_file *in, void **state, gw_error *error)
 {
-	text_stream *s;
-	GW_TRY(text_stream_new(in, &s, error));
-	*state = s;
-	return open_table(in, s, error);
+	return text_stream_new(in, open_table, state, error);
 }
 
 static const format_stream xyz_stream = { text_stream_guess, stream_open, text_stream_next_piece,
