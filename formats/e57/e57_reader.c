@@ -452,42 +452,26 @@ gw_status e57_read(input_file *in, scan *cloud, gw_error *error)
 /* A file that is read so. */
 typedef struct stream {
 	reader reader;
-	size_t scan;     /* that comes next */
-	double *scanner; /* owned; 3 each: where the scanner of each stood, */
-	bool *known;     /* owned; if that is known, which the first piece tells */
+	size_t scan;                 /* that comes next */
+	scan_first_scanner *scanner; /* owned; of each */
 } stream;
-
-/* Where a scan's scanner stood, its first piece tells all others. */
-static gw_status take_same_scanner(stream *t, size_t index, bool first)
-{
-	const reader *r = &t->reader;
-	const source *s = &r->source[index];
-	double *place = t->scanner + 3 * index;
-	if (first) {
-		GW_TRY(take_scanner(r, s));
-		t->known[index] = r->cloud->scanner_count > 0;
-		if (t->known[index])
-			memcpy(place, r->cloud->scanner, 3 * sizeof *place);
-		return GW_OK;
-	}
-	return t->known[index] ? scan_add_scanner(r->cloud, place, 0, s->kept, r->error) : GW_OK;
-}
 
 static gw_status read_piece(stream *t, size_t most)
 {
 	reader *r = &t->reader;
 	source *s = &r->source[t->scan];
-	bool first = s->records.taken == 0;
-	size_t number = t->scan;
+	scan_first_scanner *scanner = &t->scanner[t->scan];
 	GW_TRY(e57_source_take(&s->records, most, r->error));
 	s->first = 0;
 	s->kept = r->cloud->count = s->records.held;
 	GW_TRY(add_columns(r));
-	GW_TRY(read_records(r, number));
+	GW_TRY(read_records(r, t->scan));
 	leave_out(r);
 	GW_TRY(take_comments(r));
 	GW_TRY(text_columns_narrow(r->cloud, &r->names, r->column, r->error));
-	return take_same_scanner(t, number, first);
+	if (!scanner->looked)
+		GW_TRY(take_scanner(r, s));
+	return scan_keep_scanner(scanner, r->cloud, r->error);
 }
 
 /* The next scan that has records left; false when there is none. */
@@ -535,9 +519,8 @@ static gw_status stream_open(input_file *in, void **state, gw_error *error)
 	t->reader = (reader){ .in = in, .error = error };
 	GW_TRY(open_scans(&t->reader));
 	size_t count = t->reader.description.scan_count + 1;
-	t->scanner = calloc(count, 3 * sizeof *t->scanner);
-	t->known = calloc(count, sizeof *t->known);
-	return t->scanner && t->known ? GW_OK : fail_memory(&t->reader);
+	t->scanner = calloc(count, sizeof *t->scanner);
+	return t->scanner ? GW_OK : fail_memory(&t->reader);
 }
 
 static void stream_close(void *state)
@@ -547,7 +530,6 @@ static void stream_close(void *state)
 		return;
 	clear_reader(&t->reader);
 	free(t->scanner);
-	free(t->known);
 	free(t);
 }
 

@@ -70,3 +70,16 @@ gw_status scan_find_origin(scan *cloud, gw_error *error)
 			 at[0], at[1], at[2]);
 	return scan_add_comment(cloud, text, error);
 }
+
+gw_status scan_keep_scanner(scan_first_scanner *first, scan *piece, gw_error *error)
+{
+	if (piece->count == 0)
+		return GW_OK;
+	if (first->looked)
+		return first->known ? scan_add_scanner(piece, first->place, 0, piece->count, error) : GW_OK;
+	first->looked = true;
+	first->known = piece->scanner_count > 0;
+	if (first->known)
+		memcpy(first->place, piece->scanner, sizeof first->place);
+	return GW_OK;
+}

@@ -21,4 +21,16 @@ bool scan_settle_origin(scan *scan, size_t image);
  */
 gw_status scan_find_origin(scan *scan, gw_error *error);
 
+/* Where the scanner stood that saw all of a scan which comes piece by piece. Zeros begin it. */
+typedef struct scan_first_scanner {
+	bool looked, known; /* the first piece with points came, and said it */
+	double place[3];
+} scan_first_scanner;
+
+/*
+ * What the first piece with points says of its scanner, the pieces after it say, too.
+ *   piece   the first with its scanner, if that is known; others without. GW_ERROR_MEMORY
+ */
+gw_status scan_keep_scanner(scan_first_scanner *first, scan *piece, gw_error *error);
+
 #endif

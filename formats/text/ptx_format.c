@@ -391,37 +391,20 @@ gw_status ptx_read(input_file *in, scan *cloud, gw_error *error)
 /* A file that is read so: some columns of a grid at a time, which are a grid of their own. */
 typedef struct stream {
 	reader reader;
-	grid grid;         /* the one that is being read: its header */
-	bool begun;        /* there is one */
-	double left;       /* columns of it */
-	bool looked;       /* its first piece told where its scanner stood: */
-	bool known;        /* whether it is known, */
-	double scanner[3]; /* and where */
+	grid grid;   /* the one that is being read: its header */
+	bool begun;  /* there is one */
+	double left; /* columns of it */
+	scan_first_scanner scanner;
 } stream;
 
 static gw_status next_grid(stream *t)
 {
 	t->grid = (grid){ .first = 0 };
 	t->begun = true;
-	t->looked = t->known = false;
+	t->scanner = (scan_first_scanner){ .looked = false };
 	GW_TRY(take_header(&t->reader, &t->grid));
 	t->left = t->grid.size[1] > 0.0 ? t->grid.size[0] : 0.0;
 	return GW_OK;
-}
-
-/* Where a grid's scanner stood, its first piece tells all others. */
-static gw_status take_same_scanner(stream *t)
-{
-	const reader *r = &t->reader;
-	if (!t->looked) {
-		GW_TRY(take_scanners(r));
-		t->looked = true;
-		t->known = r->cloud->scanner_count > 0;
-		if (t->known)
-			memcpy(t->scanner, r->cloud->scanner, sizeof t->scanner);
-		return GW_OK;
-	}
-	return t->known ? scan_add_scanner(r->cloud, t->scanner, 0, r->cloud->count, r->error) : GW_OK;
 }
 
 static gw_status read_columns(stream *t, size_t most)
@@ -436,7 +419,9 @@ static gw_status read_columns(stream *t, size_t most)
 	if (r->cloud->count == 0)
 		return GW_OK;
 	GW_TRY(read_grids(r));
-	return take_same_scanner(t);
+	if (!t->scanner.looked)
+		GW_TRY(take_scanners(r));
+	return scan_keep_scanner(&t->scanner, r->cloud, r->error);
 }
 
 static gw_status stream_next(void *state, size_t most, scan *piece, gw_error *error)

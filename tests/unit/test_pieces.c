@@ -89,7 +89,8 @@ static scan_column *add_column(scan *cloud, const char *name, scan_type type)
 	return column;
 }
 
-/* A cloud of these points, some without a place, with a column that counts up from `first`. */
+/* A cloud of these points, some, and the first, without a place, with a column that counts up from
+ * `first`. */
 static scan make_cloud(size_t count, const char *name, scan_type type, double first)
 {
 	static const char *const axis[3] = { "x", "y", "z" };
@@ -97,7 +98,7 @@ static scan make_cloud(size_t count, const char *name, scan_type type, double fi
 	for (size_t k = 0; k < 3; k++) {
 		scan_column *column = add_column(&cloud, axis[k], SCAN_FLOAT64);
 		for (size_t i = 0; i < count; i++)
-			scan_store(column, i, i % 10 == 9 ? NAN : coordinate(i, k));
+			scan_store(column, i, i % 10 == 0 ? NAN : coordinate(i, k));
 	}
 	scan_column *column = add_column(&cloud, name, type);
 	for (size_t i = 0; i < count; i++)
